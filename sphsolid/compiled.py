@@ -1,0 +1,106 @@
+"""How this package compiles: one place for numba's threads, cache and decorators.
+
+Why a module of its own:
+
+* numba's disk cache does not notice an edit in *another* file, so a cached caller can return
+  the old stress after the material law changed.  The cache directory is therefore keyed by a
+  hash of every source file of the compiled packages.
+* The threading layer and its wait policy must be chosen before numba starts its threads.
+
+Kernels take arrays and scalars only and write into their last argument.  They *gather*: every
+output row is written by exactly one loop iteration, so the bits do not depend on the number of
+threads.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import os
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+#: Both compiled packages share the cache, because fem_reference inlines sphsolid.continuum.
+_ROOT = Path(__file__).resolve().parent.parent
+_COMPILED_PACKAGES = ("sphsolid", "fem_reference")
+
+
+def source_hash() -> str:
+    """Hash of all sources that can end up inside a compiled kernel."""
+    digest = hashlib.sha256()
+    for package in _COMPILED_PACKAGES:
+        for path in sorted((_ROOT / package).rglob("*.py")):
+            digest.update(path.relative_to(_ROOT).as_posix().encode())
+            digest.update(path.read_bytes())
+    return digest.hexdigest()[:16]
+
+
+def _cache_base() -> Path:
+    chosen = os.environ.get("SPHSOLID_CACHE")
+    if chosen:
+        return Path(chosen)
+    return Path(os.environ.get("XDG_CACHE_HOME", Path.home() / ".cache")) / "sphsolid"
+
+
+CACHE_DIR = _cache_base() / "kernels" / source_hash()
+
+# A process that shares the machine should sleep, not spin, while it waits for its threads.
+os.environ.setdefault("OMP_WAIT_POLICY", "passive")
+os.environ.setdefault("NUMBA_THREADING_LAYER", "omp")
+
+import numba  # noqa: E402  (the environment above must be set first)
+from numba import prange  # noqa: E402
+from numba.extending import overload, register_jitable  # noqa: E402
+
+numba.config.CACHE_DIR = str(CACHE_DIR)
+
+
+def kernel(function: Callable[..., Any]) -> Callable[..., Any]:
+    """Compile a gather loop: threads over the outer ``prange``, strict IEEE arithmetic."""
+    return numba.njit(parallel=True, cache=True, error_model="numpy")(function)
+
+
+def serial_kernel(function: Callable[..., Any]) -> Callable[..., Any]:
+    """Compile a loop that must run in order (set-up work, totals)."""
+    return numba.njit(cache=True, error_model="numpy")(function)
+
+
+def threads() -> int:
+    """Number of threads that kernels use now."""
+    return int(numba.get_num_threads())
+
+
+def set_threads(count: int) -> None:
+    """Let kernels use ``count`` threads (results do not depend on it)."""
+    numba.set_num_threads(count)
+
+
+def description() -> dict[str, Any]:
+    """Versions and threads, for the header of a run."""
+    import llvmlite
+    import numpy
+    import scipy
+
+    return {
+        "numba": numba.__version__,
+        "llvmlite": llvmlite.__version__,
+        "numpy": numpy.__version__,
+        "scipy": scipy.__version__,
+        "threads": threads(),
+        "threading_layer": os.environ["NUMBA_THREADING_LAYER"],
+        "wait_policy": os.environ["OMP_WAIT_POLICY"],
+    }
+
+
+__all__ = [
+    "CACHE_DIR",
+    "description",
+    "kernel",
+    "overload",
+    "prange",
+    "register_jitable",
+    "serial_kernel",
+    "set_threads",
+    "source_hash",
+    "threads",
+]

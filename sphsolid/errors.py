@@ -1,0 +1,40 @@
+"""The two ways this package says no: bad input before a run, a lost solution during one."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+class InputError(ValueError):
+    """A wrong input, found before any time step.
+
+    The message names what is wrong, where, the allowed range and what to do about it.
+    """
+
+
+@dataclass
+class Diverged(RuntimeError):
+    """The solution became invalid (negative Jacobian or non-finite state).
+
+    Carries where and when, so that a study can tabulate failures.
+    """
+
+    reason: str
+    time: float
+    step: int
+    particle: int
+    position: tuple[float, float, float]
+    advice: str
+
+    def __str__(self) -> str:
+        x, y, z = self.position
+        return (
+            f"{self.reason} at t = {self.time:.6g} s, step {self.step}, point {self.particle} "
+            f"(X = {x:.4g}, {y:.4g}, {z:.4g} m). Try: {self.advice}"
+        )
+
+
+def require(condition: bool, message: str) -> None:
+    """Raise :class:`InputError` with ``message`` unless ``condition`` holds."""
+    if not condition:
+        raise InputError(message)

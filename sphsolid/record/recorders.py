@@ -1,0 +1,105 @@
+"""Recorders: each turns a snapshot into a few named numbers of a history."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sphsolid.errors import InputError
+from sphsolid.record.norms import instant_errors
+from sphsolid.record.snapshot import Snapshot
+from sphsolid.scenes.scene import Scene
+
+AXES = "xyz"
+
+
+class Recorder(Protocol):
+    """Anything with a ``record``; ``scene`` is the problem being solved."""
+
+    def record(self, snapshot: Snapshot, scene: Scene) -> dict[str, float]:
+        """Column names with units in brackets, and their values now."""
+        ...
+
+
+@dataclass(frozen=True)
+class Energy:
+    """Kinetic ``sum V |p|^2 / (2 rho0)``, strain ``sum V W`` and their sum [J]."""
+
+    def record(self, snapshot: Snapshot, scene: Scene) -> dict[str, float]:
+        """Three columns."""
+        kinetic, strain = snapshot.kinetic_energy, snapshot.strain_energy
+        return {
+            "kinetic_energy [J]": kinetic,
+            "strain_energy [J]": strain,
+            "total_energy [J]": kinetic + strain,
+        }
+
+
+def linear_momentum(snapshot: Snapshot) -> NDArray[np.float64]:
+    """``sum V p (3,)`` [kg m/s]."""
+    return np.sum(snapshot.V[:, None] * snapshot.momentum, axis=0)
+
+
+def angular_momentum(snapshot: Snapshot) -> NDArray[np.float64]:
+    """``sum V x cross p (3,)`` [kg m^2/s] about the origin."""
+    return np.sum(snapshot.V[:, None] * np.cross(snapshot.x, snapshot.momentum), axis=0)
+
+
+@dataclass(frozen=True)
+class LinearMomentum:
+    """Total linear momentum [kg m/s] and its natural scale ``sum V |p|``."""
+
+    def record(self, snapshot: Snapshot, scene: Scene) -> dict[str, float]:
+        """Four columns."""
+        total = linear_momentum(snapshot)
+        row = {f"linear_momentum_{AXES[i]} [kg m/s]": float(total[i]) for i in range(3)}
+        size = np.linalg.norm(snapshot.momentum, axis=1)
+        row["linear_momentum_scale [kg m/s]"] = float(np.sum(snapshot.V * size))
+        return row
+
+
+@dataclass(frozen=True)
+class AngularMomentum:
+    """Total angular momentum [kg m^2/s] and its natural scale ``sum V |x| |p|``."""
+
+    def record(self, snapshot: Snapshot, scene: Scene) -> dict[str, float]:
+        """Four columns."""
+        total = angular_momentum(snapshot)
+        row = {f"angular_momentum_{AXES[i]} [kg m^2/s]": float(total[i]) for i in range(3)}
+        size = np.linalg.norm(snapshot.x, axis=1) * np.linalg.norm(snapshot.momentum, axis=1)
+        row["angular_momentum_scale [kg m^2/s]"] = float(np.sum(snapshot.V * size))
+        return row
+
+
+@dataclass(frozen=True)
+class Probe:
+    """Displacement [m] and velocity [m/s] of the primary point nearest to a named point."""
+
+    point: str
+
+    def record(self, snapshot: Snapshot, scene: Scene) -> dict[str, float]:
+        """Six columns; an unknown name is refused with the names the scene has."""
+        if self.point not in scene.probes:
+            raise InputError(
+                f"probe {self.point!r} is not a point of scene {scene.name!r}; it has "
+                f"{sorted(scene.probes)}"
+            )
+        target = np.asarray(scene.probes[self.point])
+        a = int(np.argmin(np.sum((snapshot.X - target) ** 2, axis=1)))
+        row = {}
+        for i in range(3):
+            row[f"{self.point}_u_{AXES[i]} [m]"] = float(snapshot.displacement[a, i])
+            row[f"{self.point}_v_{AXES[i]} [m/s]"] = float(snapshot.velocity[a, i])
+        return row
+
+
+@dataclass(frozen=True)
+class Errors:
+    """Relative L2 errors against the scene's exact solution (see ``norms``)."""
+
+    def record(self, snapshot: Snapshot, scene: Scene) -> dict[str, float]:
+        """Twelve columns: three momentum and nine stress components."""
+        return instant_errors(snapshot, scene.known_solution())

@@ -1,0 +1,100 @@
+"""Essential conditions: which velocity components a boundary region prescribes."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sphsolid.errors import InputError
+from sphsolid.scenes.hex_mesh import HexMesh
+
+Array = NDArray[np.float64]
+#: Velocity field ``v(X (n, 3), t) -> (n, 3)`` [m/s].
+VelocityField = Callable[[Array, float], Array]
+Direction = Literal["normal", "tangential", "all"]
+
+
+@dataclass(frozen=True)
+class Fixed:
+    """The constrained components do not move."""
+
+    def __call__(self, X: Array, t: float) -> Array:
+        """Zero velocity ``(n, 3)``."""
+        return np.zeros_like(X)
+
+
+@dataclass(frozen=True)
+class Constraint:
+    """On the boundary tag ``face`` the ``direction`` components of velocity equal ``velocity``.
+
+    ``normal`` is a roller (symmetry plane), ``tangential`` a skew-symmetry plane, ``all`` a
+    clamp.  Directions refer to the undeformed body.
+    """
+
+    face: str
+    direction: Direction
+    velocity: VelocityField = Fixed()
+
+    def __post_init__(self) -> None:
+        if self.direction not in ("normal", "tangential", "all"):
+            raise InputError(
+                f"constraint on {self.face!r}: direction {self.direction!r} is not one of "
+                "'normal', 'tangential', 'all'"
+            )
+
+
+@dataclass(frozen=True)
+class EssentialPart:
+    """One constraint ready to apply: ``v <- (I - Q_a) v + Q_a v_prescribed`` at ``particles``.
+
+    ``particles (n,)``; ``projector (n, 3, 3)`` orthogonal projectors ``Q_a``.  Projectors of
+    different parts at one particle are mutually orthogonal, so the order does not matter.
+    """
+
+    particles: NDArray[np.int64]
+    projector: Array
+    velocity: VelocityField
+
+    @property
+    def is_fixed(self) -> bool:
+        """True when the prescribed velocity is zero at all times."""
+        return isinstance(self.velocity, Fixed)
+
+
+def vertex_normals(mesh: HexMesh, face: str) -> tuple[NDArray[np.int64], Array]:
+    """Unit outward normals at the vertices of a tag, area-weighted: ``(n,), (n, 3)``."""
+    quads = mesh.face(face)
+    corners = mesh.vertices[quads]
+    area = 0.5 * np.cross(corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1])
+    particles, position = np.unique(quads, return_inverse=True)
+    normal = np.zeros((len(particles), 3))
+    for corner in position.reshape(quads.shape).T:
+        np.add.at(normal, corner, area)
+    return particles, normal / np.linalg.norm(normal, axis=1, keepdims=True)
+
+
+def essential_parts(constraints: tuple[Constraint, ...], mesh: HexMesh) -> list[EssentialPart]:
+    """Projectors of every constraint; a later one only adds directions still free at a particle."""
+    taken = np.zeros((len(mesh.vertices), 3, 3))
+    parts = []
+    for constraint in constraints:
+        particles, normal = vertex_normals(mesh, constraint.face)
+        nn = normal[:, :, None] * normal[:, None, :]
+        wanted = {
+            "normal": nn,
+            "tangential": np.eye(3) - nn,
+            "all": np.broadcast_to(np.eye(3), nn.shape),
+        }[constraint.direction]
+        # Directions that this constraint adds to those already taken: the range of
+        # (I - T) wanted (I - T), made an orthogonal projector by its eigenvectors.
+        free = np.eye(3) - taken[particles]
+        value, vector = np.linalg.eigh(free @ wanted @ free)
+        kept = vector * (value > 1e-8)[:, None, :]
+        projector = kept @ np.swapaxes(kept, 1, 2)
+        taken[particles] += projector
+        parts.append(EssentialPart(particles, projector, constraint.velocity))
+    return parts
