@@ -1,0 +1,61 @@
+"""Total-Lagrangian SUPG-SPH for explicit large-strain solid dynamics, built to be verified."""
+
+from sphsolid.cloud import (
+    H1,
+    H6,
+    Consistent,
+    CubicSpline,
+    Literal,
+    QuinticSpline,
+    WendlandC2,
+)
+from sphsolid.continuum import MooneyRivlin, NeoHookean
+from sphsolid.errors import Diverged, InputError
+from sphsolid.scheme import (
+    PF,
+    PFHJ,
+    PFJ,
+    PJ,
+    SUPG,
+    TVDRK2,
+    Displacement,
+    FullHessian,
+    LocalProjection,
+    NoProjection,
+    NoStabilisation,
+    SimplifiedHessian,
+    StabilisedStrains,
+)
+from sphsolid.simulation import Simulation
+
+__version__ = "0.1.0"
+
+__all__ = [
+    "H1",
+    "H6",
+    "PF",
+    "PFHJ",
+    "PFJ",
+    "PJ",
+    "SUPG",
+    "TVDRK2",
+    "Consistent",
+    "CubicSpline",
+    "Displacement",
+    "Diverged",
+    "FullHessian",
+    "InputError",
+    "Literal",
+    "LocalProjection",
+    "MooneyRivlin",
+    "NeoHookean",
+    "NoProjection",
+    "NoStabilisation",
+    "QuinticSpline",
+    "SUPG",
+    "SimplifiedHessian",
+    "Simulation",
+    "StabilisedStrains",
+    "WendlandC2",
+    "__version__",
+]

@@ -197,7 +197,7 @@ def solve_symmetric(A: Tensor, r: Vector) -> Vector:
 
 def split(field: Any) -> Tensor:
     """Array ``(..., 3, 3)`` to nine arrays, for the all-particles-at-once use."""
-    return tuple(field[..., i, j] for i in range(3) for j in range(3))  # type: ignore[return-value]
+    return tuple(field[..., i, j] for i in range(3) for j in range(3))
 
 
 def join(A: Tensor) -> Any:

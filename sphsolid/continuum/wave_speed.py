@@ -33,7 +33,7 @@ def acoustic_tensor(material: Any, F: Any, N: Any) -> Any:
         dyad = np.zeros((3, 3))
         dyad[j] = N
         dF = tuple(np.full(shape, value) for value in dyad.ravel())
-        dP = tangent_action(material, entries, dF)  # type: ignore[arg-type]
+        dP = tangent_action(material, entries, dF)
         for i in range(3):
             Q[..., i, j] = sum(dP[3 * i + k] * N[k] for k in range(3))
     return Q

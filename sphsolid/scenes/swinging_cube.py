@@ -61,7 +61,7 @@ class StandingWave:
 
     @property
     def momentum_scale(self) -> float:
-        """``rho0 w U0 max|A, B, C| / sqrt(8)``: every component has norm 1/sqrt(8) over the cube."""
+        """``rho0 w U0 max|A, B, C| / sqrt(8)``: each shape has norm 1/sqrt(8) over the cube."""
         largest = max(abs(c) for c in self.coefficients)
         return self.material.density * self.frequency * self.amplitude * largest / math.sqrt(8.0)
 

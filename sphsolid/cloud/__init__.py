@@ -1,0 +1,32 @@
+"""Particles from a background mesh and the operators that act on them."""
+
+from sphsolid.cloud.cloud import (
+    Cloud,
+    ConsistencyReport,
+    Secondary,
+    build_cloud,
+    build_secondary,
+    consistency_report,
+)
+from sphsolid.cloud.operator import Consistent, Literal, OperatorKind
+from sphsolid.cloud.secondary import H1, H6, SecondaryPoints
+from sphsolid.cloud.smoothing import CubicSpline, QuinticSpline, SmoothingFunction, WendlandC2
+
+__all__ = [
+    "H1",
+    "H6",
+    "Cloud",
+    "Consistent",
+    "ConsistencyReport",
+    "CubicSpline",
+    "Literal",
+    "OperatorKind",
+    "QuinticSpline",
+    "Secondary",
+    "SecondaryPoints",
+    "SmoothingFunction",
+    "WendlandC2",
+    "build_cloud",
+    "build_secondary",
+    "consistency_report",
+]

@@ -1,0 +1,175 @@
+"""The particles of a body and every operator a scheme needs of them, as plain arrays."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sphsolid.cloud.background_mesh import area_vectors, vertex_volumes
+from sphsolid.cloud.consistent import divergence_defect
+from sphsolid.cloud.gradient import (
+    corrected_gradient,
+    linear_interpolation,
+    offsets,
+    row_sum,
+)
+from sphsolid.cloud.neighbours import PairList, pairs_within, transposed
+from sphsolid.cloud.operator import Gradients, Ingredients, OperatorKind
+from sphsolid.cloud.secondary import SecondaryPoints
+from sphsolid.cloud.smoothing import SmoothingFunction
+from sphsolid.cloud.support import check_support
+from sphsolid.errors import require
+from sphsolid.scenes.hex_mesh import HexMesh
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Cloud:
+    """Primary particles.
+
+    ``X (N, 3)`` [m], ``V (N,)`` [m^3], ``areas (N, 3)`` [m^2] outward area vectors (zero inside),
+    ``pairs`` who sees whom, ``gradients`` per pair, ``h`` [m] smoothing length, ``spacing`` [m].
+    ``divergence (P, 3)`` [1/m] is the adjoint on the same pair list: ``(DIV P)_a`` is minus
+    ``sum_b P_b g_ab`` with ``g_ab = V_b G_a(X_b) / V_a``.
+    """
+
+    mesh: HexMesh
+    X: Array
+    V: Array
+    areas: Array
+    pairs: PairList
+    gradients: Gradients
+    divergence: Array
+    smoothing: SmoothingFunction
+    h: float
+
+    @property
+    def spacing(self) -> float:
+        """Nominal particle spacing ``dx`` [m]."""
+        return self.mesh.spacing
+
+    @property
+    def h_min(self) -> float:
+        """Smallest distance [m] between two particles of the reference body."""
+        distance = np.linalg.norm(offsets(self.X, self.X, self.pairs), axis=1)
+        return float(np.min(distance[distance > 0.0]))
+
+    @property
+    def size(self) -> int:
+        """Number of primary particles."""
+        return len(self.X)
+
+
+@dataclass(frozen=True)
+class Secondary:
+    """Secondary particles and their coupling to the primaries.
+
+    ``sample (P, 4)``: gradient ``G_a(X_q)`` [1/m] and weight ``V_a W~_a(X_q)`` of every pair,
+    side by side because they are read together.  ``spread_pairs, spread (P, 3)``: the adjoint by
+    primary particle, ``V_q G_a(X_q) / V_a``.
+    """
+
+    X: Array
+    V: Array
+    pairs: PairList
+    sample: Array
+    spread_pairs: PairList
+    spread: Array
+
+
+@dataclass(frozen=True)
+class ConsistencyReport:
+    """Largest residuals of the identities the operators should satisfy, all dimensionless.
+
+    ``C0`` constants: ``dx |sum_a G_a|``; ``C1`` linears: ``|sum_a G_a (x) X_a - I|``; ``D0``
+    divergence theorem of the force's gradient, over the largest area; ``volume`` relative error
+    of ``sum V``.
+    """
+
+    C0: float
+    C1: float
+    D0: float
+    volume: float
+
+    def __str__(self) -> str:
+        return (
+            f"C0 {self.C0:.1e}, C1 {self.C1:.1e}, D0 {self.D0:.1e}, volume {self.volume:.1e}"
+        )
+
+
+def build_cloud(
+    mesh: HexMesh,
+    *,
+    smoothing: SmoothingFunction,
+    h_over_dx: float,
+    operator: OperatorKind,
+) -> Cloud:
+    """Particles on the vertices of ``mesh`` with the operators of ``operator``.
+
+    Raises ``InputError`` for a non-positive ``h_over_dx``, a support that is too small (naming
+    the particle and the value to raise it to) or an operator that does not exist on this cloud.
+    """
+    require(
+        np.isfinite(h_over_dx) and h_over_dx > 0.0,
+        f"h_over_dx = {h_over_dx} must be positive; 0.75 is the default on a lattice",
+    )
+    X = mesh.vertices
+    V = vertex_volumes(mesh)
+    areas = area_vectors(mesh, mesh.boundary)
+    h = h_over_dx * mesh.spacing
+    pairs = pairs_within(X, X, smoothing.support * h)
+    check_support(
+        X, X, pairs,
+        h_over_dx=h_over_dx, support=smoothing.support, spacing=mesh.spacing, what="primary",
+    )  # fmt: skip
+    gradients = operator.build(Ingredients(mesh, V, areas, pairs, smoothing, h))
+    divergence = _adjoint(gradients.force, pairs, V)
+    return Cloud(mesh, X, V, areas, pairs, gradients, divergence, smoothing, h)
+
+
+def _adjoint(G: Array, pairs: PairList, V: Array) -> Array:
+    """``g_ab = V_b G_a(X_b) / V_a``; the pair list is symmetric, so it is its own transpose."""
+    _, place = transposed(pairs, pairs.rows)
+    scale = V[pairs.indices] / V[pairs.row_of_pair]
+    return np.ascontiguousarray(G[place] * scale[:, None])
+
+
+def build_secondary(cloud: Cloud, points: SecondaryPoints, *, h_over_dx: float) -> Secondary:
+    """Secondary particles of the cloud's mesh with the cloud's smoothing function."""
+    X, V = points.place(cloud.mesh)
+    reach = cloud.smoothing.support * cloud.h
+    pairs = pairs_within(X, cloud.X, reach)
+    check_support(
+        X, cloud.X, pairs,
+        h_over_dx=h_over_dx, support=cloud.smoothing.support, spacing=cloud.spacing,
+        what=f"secondary ({points.name})",
+    )  # fmt: skip
+    arguments = (X, cloud.X, cloud.V, pairs, cloud.smoothing, cloud.h)
+    G = corrected_gradient(*arguments)
+    weight = linear_interpolation(*arguments)
+    sample = np.ascontiguousarray(np.concatenate([G, weight[:, None]], axis=1))
+    spread_pairs, place = transposed(pairs, cloud.size)
+    volume_of_pair = V[pairs.row_of_pair] / cloud.V[pairs.indices]
+    spread = np.ascontiguousarray((G * volume_of_pair[:, None])[place])
+    return Secondary(X, V, pairs, sample, spread_pairs, spread)
+
+
+def consistency_report(cloud: Cloud, exact_volume: float) -> ConsistencyReport:
+    """Measure C0, C1, D0 and the volume of a cloud (see :class:`ConsistencyReport`)."""
+    d = offsets(cloud.X, cloud.X, cloud.pairs)
+    C0 = C1 = 0.0
+    for G in (cloud.gradients.kinematic, cloud.gradients.force):
+        C0 = max(C0, float(np.max(np.abs(row_sum(cloud.pairs, G)))) * cloud.spacing)
+        linear = row_sum(cloud.pairs, d[:, :, None] * G[:, None, :])
+        C1 = max(C1, float(np.max(np.abs(linear - np.eye(3)))))
+    defect = divergence_defect(cloud.gradients.force, cloud.pairs, cloud.V, cloud.areas)
+    area = float(np.max(np.linalg.norm(cloud.areas, axis=1)))
+    return ConsistencyReport(
+        C0=C0,
+        C1=C1,
+        D0=float(np.max(np.abs(defect))) / area,
+        volume=abs(float(np.sum(cloud.V)) / exact_volume - 1.0),
+    )

@@ -1,0 +1,131 @@
+"""Operator kinds: how a gradient is taken and how its adjoint makes a force.
+
+``Literal`` is [Lee2017] eqs. (30) and (32) as printed.  ``Consistent`` changes the gradient as
+little as possible so that the force of a uniform stress is exact (see ``consistent``); without it
+the method is first order at best near boundaries.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal as OneOf
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sphsolid.cloud.background_mesh import layers_from_boundary
+from sphsolid.cloud.consistent import least_change
+from sphsolid.cloud.gradient import corrected_gradient, linear_kernel_gradient, offsets
+from sphsolid.cloud.neighbours import PairList
+from sphsolid.cloud.smoothing import SmoothingFunction
+from sphsolid.errors import InputError
+from sphsolid.scenes.hex_mesh import HexMesh
+
+Array = NDArray[np.float64]
+GradientKind = OneOf["corrected_kernel", "linear_kernel"]
+_GRADIENTS = {
+    "corrected_kernel": corrected_gradient,
+    "linear_kernel": linear_kernel_gradient,
+}
+
+
+@dataclass(frozen=True)
+class Gradients:
+    """Two gradients on one pair list ``(P, 3)`` [1/m].
+
+    ``kinematic`` takes ``F`` and its rate; ``force`` is the one whose adjoint makes the internal
+    force and whose ``F_x`` the angular-momentum projection needs.  They are the same object when
+    the operator is adjoint.
+    """
+
+    kinematic: Array
+    force: Array
+
+    @property
+    def is_adjoint(self) -> bool:
+        """True when force and kinematics share one gradient: energy-consistent in space."""
+        return self.kinematic is self.force
+
+
+@dataclass(frozen=True)
+class Ingredients:
+    """What every operator kind is made from."""
+
+    mesh: HexMesh
+    volumes: Array
+    areas: Array
+    pairs: PairList
+    smoothing: SmoothingFunction
+    h: float
+
+
+def _base(kind: GradientKind, cloud: Ingredients) -> Array:
+    if kind not in _GRADIENTS:
+        raise InputError(f"gradient {kind!r} is not one of {sorted(_GRADIENTS)}")
+    X = cloud.mesh.vertices
+    return _GRADIENTS[kind](X, X, cloud.volumes, cloud.pairs, cloud.smoothing, cloud.h)
+
+
+@dataclass(frozen=True)
+class Literal:
+    """The paper as printed.
+
+    ``gradient``: ``"corrected_kernel"`` is eq. (30); ``"linear_kernel"`` differentiates the
+    linear-corrected kernel analytically, the other reading of its text.
+    """
+
+    gradient: GradientKind = "corrected_kernel"
+
+    @property
+    def name(self) -> str:
+        """``Literal``, or ``Literal(linear kernel)``."""
+        return "Literal" if self.gradient == "corrected_kernel" else "Literal(linear kernel)"
+
+    def build(self, cloud: Ingredients) -> Gradients:
+        """The gradient, used for kinematics and force."""
+        G = _base(self.gradient, cloud)
+        return Gradients(G, G)
+
+
+@dataclass(frozen=True)
+class Consistent:
+    """The paper's gradient with the least change that satisfies the divergence theorem.
+
+    ``use = "everywhere"`` (default): force and kinematics adjoint, so the space discretisation
+    neither makes nor eats energy.  ``use = "force"``: kinematics stay literal; stresses are more
+    accurate at the boundary, energy is not controlled.  ``layers``: on a lattice the change is
+    confined to particles within that many cells of the boundary.
+    """
+
+    use: OneOf["everywhere", "force"] = "everywhere"
+    gradient: GradientKind = "corrected_kernel"
+    layers: int = 2
+
+    def __post_init__(self) -> None:
+        if self.use not in ("everywhere", "force"):
+            raise InputError(f"Consistent: use {self.use!r} is not one of 'everywhere', 'force'")
+
+    @property
+    def name(self) -> str:
+        """``Consistent`` or ``Consistent(force)``."""
+        return "Consistent" if self.use == "everywhere" else "Consistent(force)"
+
+    def build(self, cloud: Ingredients) -> Gradients:
+        """Solve for the change and apply it; raises ``InputError`` where none exists."""
+        base = _base(self.gradient, cloud)
+        X, pairs = cloud.mesh.vertices, cloud.pairs
+        distance = np.linalg.norm(offsets(X, X, pairs), axis=1)
+        weights = cloud.smoothing.value(distance, cloud.h) / cloud.smoothing.value(
+            np.zeros(1), cloud.h
+        )
+        if cloud.mesh.is_lattice:
+            # The defect of a wider support reaches further in than the default two layers.
+            reach = int(np.ceil(cloud.smoothing.support * cloud.h / cloud.mesh.spacing - 1e-9))
+            near = layers_from_boundary(cloud.mesh) <= max(self.layers, reach)
+            weights = weights * (near[pairs.row_of_pair] & near[pairs.indices])
+        change = least_change(base, pairs, X, cloud.volumes, cloud.areas, weights)
+        corrected = base + change.D
+        return Gradients(corrected if self.use == "everywhere" else base, corrected)
+
+
+OperatorKind = Literal | Consistent

@@ -1,0 +1,61 @@
+"""Secondary particles ``q``: where the SUPG terms are integrated, [Lee2017] section 4.2, Fig. 2.
+
+``H1`` puts one at the centroid of each hexahedron of the background mesh, ``H6`` one at the
+centroid of each of the six tetrahedra of its Kuhn split.  ``sum V_q`` is the volume of the body.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sphsolid.cloud.background_mesh import cell_volumes_and_centroids
+from sphsolid.scenes.hex_mesh import HexMesh
+
+Array = NDArray[np.float64]
+#: Six tetrahedra around the diagonal from corner 0 to corner 6, all of positive volume.
+KUHN = np.array(
+    [[0, 1, 2, 6], [0, 2, 3, 6], [0, 3, 7, 6], [0, 7, 4, 6], [0, 4, 5, 6], [0, 5, 1, 6]]
+)
+
+
+class SecondaryPoints(Protocol):
+    """A rule that places secondary particles."""
+
+    @property
+    def name(self) -> str:
+        """``H1``, ``H6``."""
+        ...
+
+    def place(self, mesh: HexMesh) -> tuple[Array, Array]:
+        """Positions ``X_q (M, 3)`` [m] and volumes ``V_q (M,)`` [m^3]."""
+        ...
+
+
+@dataclass(frozen=True)
+class H1:
+    """One secondary particle a hexahedron, at its centroid."""
+
+    name: str = "H1"
+
+    def place(self, mesh: HexMesh) -> tuple[Array, Array]:
+        """Positions ``X_q (C, 3)`` and volumes ``V_q (C,)``."""
+        volume, centroid = cell_volumes_and_centroids(mesh)
+        return centroid, volume
+
+
+@dataclass(frozen=True)
+class H6:
+    """Six secondary particles a hexahedron, at the centroids of its tetrahedra."""
+
+    name: str = "H6"
+
+    def place(self, mesh: HexMesh) -> tuple[Array, Array]:
+        """Positions ``X_q (6 C, 3)`` and volumes ``V_q (6 C,)``."""
+        tetrahedra = mesh.cells[:, KUHN].reshape(-1, 4)
+        corner = mesh.vertices[tetrahedra]
+        edges = corner[:, 1:] - corner[:, :1]
+        return corner.mean(axis=1), np.linalg.det(edges) / 6.0

@@ -1,0 +1,31 @@
+"""The method of the paper, sections 3 to 6: one idea a file."""
+
+from sphsolid.scheme.formulation import PF, PFHJ, PFJ, PJ, Displacement, Formulation
+from sphsolid.scheme.projection import LocalProjection, NoProjection
+from sphsolid.scheme.stabilisation import (
+    SUPG,
+    FullHessian,
+    NoStabilisation,
+    SimplifiedHessian,
+    Stabilisation,
+    StabilisedStrains,
+)
+from sphsolid.scheme.tvd_rk2 import TVDRK2
+
+__all__ = [
+    "PF",
+    "PFHJ",
+    "PFJ",
+    "PJ",
+    "SUPG",
+    "TVDRK2",
+    "Displacement",
+    "Formulation",
+    "FullHessian",
+    "LocalProjection",
+    "NoProjection",
+    "NoStabilisation",
+    "SimplifiedHessian",
+    "Stabilisation",
+    "StabilisedStrains",
+]

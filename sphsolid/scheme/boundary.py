@@ -1,0 +1,91 @@
+"""Loads ``E_a`` of eq. (32) and essential conditions on ``p``, [Lee2017] section 5."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sphsolid.cloud.background_mesh import area_vectors
+from sphsolid.cloud.cloud import Cloud
+from sphsolid.errors import InputError
+from sphsolid.scenes.constraint import essential_parts
+from sphsolid.scenes.scene import NoBodyForce, Scene
+
+Array = NDArray[np.float64]
+
+
+class Loads:
+    """``E_a = (A_a / V_a) t_B + f0`` and its body-force part, evaluated once per instant."""
+
+    def __init__(self, scene: Scene, cloud: Cloud) -> None:
+        self._scene = scene
+        self._X = cloud.X
+        self._patches = []
+        for traction in scene.tractions:
+            area = area_vectors(cloud.mesh, cloud.mesh.face(traction.face))
+            particles = np.flatnonzero(np.linalg.norm(area, axis=1) > 0.0)
+            size = np.linalg.norm(area[particles], axis=1)
+            normal = area[particles] / size[:, None]
+            per_volume = (size / cloud.V[particles])[:, None]
+            self._patches.append((traction, particles, normal, per_volume))
+        self._at: float | None = None
+        self._total = np.zeros_like(cloud.X)
+        self._body = np.zeros_like(cloud.X)
+
+    @property
+    def any(self) -> bool:
+        """False when neither a traction nor a body force acts."""
+        return bool(self._patches) or self.has_body_force
+
+    @property
+    def has_body_force(self) -> bool:
+        """True when the scene has a body force."""
+        return not isinstance(self._scene.body_force, NoBodyForce)
+
+    def at(self, t: float) -> tuple[Array, Array]:
+        """``E_a`` and ``f0_a`` ``(N, 3)`` [N/m^3] at time ``t``; do not write into them."""
+        if t != self._at:
+            force = self._scene.body_force
+            if not isinstance(force, NoBodyForce):
+                self._body = self._checked(force(self._X, t), "body_force", t)
+            self._total = self._body.copy()
+            for traction, particles, normal, per_volume in self._patches:
+                value = traction.value(self._X[particles], normal, t)
+                value = self._checked(value, f"traction on {traction.face}", t)
+                self._total[particles] += per_volume * value
+            self._at = t
+        return self._total, self._body
+
+    def _checked(self, value: Array, what: str, t: float) -> Array:
+        if not np.all(np.isfinite(value)):
+            raise InputError(f"scene {self._scene.name!r}: {what} is not finite at t = {t:.6g} s")
+        return value
+
+
+class EssentialConditions:
+    """Projectors of the scene's constraints on the cloud's boundary particles."""
+
+    def __init__(self, scene: Scene, cloud: Cloud) -> None:
+        parts = essential_parts(scene.constraints, cloud.mesh)
+        self._density = scene.material.density
+        self._moving = [
+            (part, cloud.X[part.particles]) for part in parts if not part.is_fixed
+        ]
+        constrained = [part.particles for part in parts]
+        self.particles = np.unique(np.concatenate(constrained)) if parts else np.zeros(0, np.int64)
+        taken = np.zeros((cloud.size, 3, 3))
+        for part in parts:
+            taken[part.particles] += part.projector
+        self._free = np.eye(3) - taken[self.particles]
+
+    def impose(self, p: Array, t: float) -> None:
+        """Set the constrained components of ``p (N, 3)`` to ``rho0`` times their velocity."""
+        self.release(p)
+        for part, X in self._moving:
+            v = part.velocity(X, t)
+            p[part.particles] += self._density * np.einsum("nij,nj->ni", part.projector, v)
+
+    def release(self, rate: Array) -> None:
+        """Zero the constrained components of a rate ``(N, 3)``."""
+        if len(self.particles):
+            rate[self.particles] = np.einsum("nij,nj->ni", self._free, rate[self.particles])

@@ -1,0 +1,144 @@
+"""SUPG stabilisation at the secondary particles, [Lee2017] sections 3.1 and 4.2, as options.
+
+All intrinsic times are given in units of the time step: ``tau_F = 1`` means ``tau_F = dt``.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from typing import Any
+
+from sphsolid.cloud.secondary import H1, SecondaryPoints
+from sphsolid.errors import InputError, require
+from sphsolid.scheme.formulation import Formulation
+
+
+@dataclass(frozen=True)
+class SimplifiedHessian:
+    """Eq. (27): ``P_fine = tau_F gamma R_F + xi_F alpha R_F^x``.
+
+    ``gamma`` [Pa] defaults to the bulk modulus, ``alpha`` [Pa] to the shear modulus.
+    """
+
+    gamma: float | None = None
+    alpha: float | None = None
+
+    def moduli(self, material: Any) -> tuple[float, float]:
+        """``gamma, alpha`` [Pa] for a material."""
+        return (
+            material.kappa if self.gamma is None else self.gamma,
+            material.mu if self.alpha is None else self.alpha,
+        )
+
+
+@dataclass(frozen=True)
+class FullHessian:
+    """Eqs. (22)-(23): the fine-scale conjugate stresses by the Hessian of the energy.
+
+    ``tau_H``, ``tau_J`` in units of ``dt``; ``xi_F alpha R_F^x`` is kept as in (27).
+    """
+
+    tau_H: float = 0.0
+    tau_J: float = 0.0
+    alpha: float | None = None
+
+
+@dataclass(frozen=True)
+class StabilisedStrains:
+    """Eq. (28), variational multi-scale: ``P_fine = P(F_st, H_st, J_st) - P(F, H, J)``.
+
+    ``F_st = F + tau_F R_F + xi_F R_F^x`` and likewise for ``H`` and ``J``.
+    """
+
+    tau_H: float = 0.0
+    tau_J: float = 0.0
+    xi_H: float = 0.0
+    xi_J: float = 0.0
+
+
+FineScale = SimplifiedHessian | FullHessian | StabilisedStrains
+
+
+@dataclass(frozen=True)
+class NoStabilisation:
+    """Bubnov-Galerkin alone: no secondary particles are made."""
+
+    @property
+    def name(self) -> str:
+        """``none``."""
+        return "none"
+
+    def check(self, formulation: Formulation) -> None:
+        """Every formulation runs without stabilisation."""
+
+
+@dataclass(frozen=True)
+class SUPG:
+    """Streamline-upwind Petrov-Galerkin terms ``D(p)`` and ``D(J)``.
+
+    ``tau_F`` damps what the velocity gradient at ``q`` has beyond the interpolated rate of ``F``,
+    ``xi_F`` (in [0, 0.5] in the paper) what the geometry has beyond ``F``, ``tau_p`` damps
+    pressure modes through the law of ``J``.  ``secondary`` places the particles ``q``.
+    """
+
+    tau_F: float = 1.0
+    xi_F: float = 0.1
+    tau_p: float = 0.0
+    secondary: SecondaryPoints = field(default_factory=H1)
+    fine_scale: FineScale = field(default_factory=SimplifiedHessian)
+
+    def __post_init__(self) -> None:
+        for name in ("tau_F", "xi_F", "tau_p"):
+            value = getattr(self, name)
+            require(
+                math.isfinite(value) and value >= 0.0,
+                f"SUPG: {name} = {value} must be finite and >= 0 (it is in units of dt for a tau); "
+                "a negative one feeds energy into the modes it should damp",
+            )
+        if self.tau_F == self.xi_F == self.tau_p == 0.0:
+            raise InputError(
+                "SUPG with tau_F = xi_F = tau_p = 0 does nothing; use NoStabilisation()"
+            )
+
+    @property
+    def name(self) -> str:
+        """``SUPG-H1`` or ``SUPG-H6``."""
+        return f"SUPG-{self.secondary.name}"
+
+    def check(self, formulation: Formulation) -> None:
+        """Refuse pairs that cannot work, saying what to use instead."""
+        if self.tau_p > 0.0 and not formulation.evolves_J:
+            raise InputError(
+                f"SUPG(tau_p = {self.tau_p}) stabilises the law of J, which {formulation.name} "
+                "does not solve; use PFJ() or PFHJ(), or tau_p = 0"
+            )
+        tau_H = getattr(self.fine_scale, "tau_H", 0.0) or getattr(self.fine_scale, "xi_H", 0.0)
+        if tau_H and not formulation.evolves_H:
+            raise InputError(
+                f"tau_H or xi_H > 0 needs the law of H, which {formulation.name} does not solve; "
+                "use PFHJ()"
+            )
+        tau_J = getattr(self.fine_scale, "tau_J", 0.0) or getattr(self.fine_scale, "xi_J", 0.0)
+        if tau_J and not formulation.evolves_J:
+            raise InputError(
+                f"tau_J or xi_J > 0 needs the law of J, which {formulation.name} does not solve; "
+                "use PFJ() or PFHJ()"
+            )
+
+
+Stabilisation = NoStabilisation | SUPG
+
+
+def check_pair(formulation: object, stabilisation: object) -> None:
+    """Raise ``InputError`` unless both are known and fit together."""
+    if not isinstance(formulation, Formulation):
+        raise InputError(
+            f"formulation = {formulation!r} is unknown; use PF(), PFJ(), PFHJ(), PJ() or "
+            "Displacement()"
+        )
+    if not isinstance(stabilisation, NoStabilisation | SUPG):
+        raise InputError(
+            f"stabilisation = {stabilisation!r} is unknown; use SUPG(...) or NoStabilisation()"
+        )
+    stabilisation.check(formulation)

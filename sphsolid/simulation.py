@@ -1,0 +1,242 @@
+"""A scene, a cloud and a scheme wired together; no formula lives here."""
+
+from __future__ import annotations
+
+import time as clock
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import numpy as np
+
+from sphsolid.cloud.cloud import build_cloud, build_secondary, consistency_report
+from sphsolid.cloud.operator import Consistent, OperatorKind
+from sphsolid.cloud.smoothing import CubicSpline, SmoothingFunction
+from sphsolid.compiled import description
+from sphsolid.continuum import law
+from sphsolid.continuum.tensor import cofactor, determinant, join, split
+from sphsolid.continuum.wave_speed import reference_p_wave_speed
+from sphsolid.record.march import History, Progress, march
+from sphsolid.record.recorders import Recorder
+from sphsolid.record.snapshot import Snapshot
+from sphsolid.scenes.scene import Scene
+from sphsolid.scheme.boundary import EssentialConditions, Loads
+from sphsolid.scheme.formulation import PF, Formulation
+from sphsolid.scheme.projection import AngularMomentumTreatment, LocalProjection
+from sphsolid.scheme.right_hand_side import RightHandSide, State
+from sphsolid.scheme.stabilisation import SUPG, Stabilisation, check_pair
+from sphsolid.scheme.time_step import TimeStep, check_cfl
+from sphsolid.scheme.tvd_rk2 import TVDRK2
+
+#: Smoothing length over spacing where none is given (support 1.5 and 1.8 spacings).
+H_OVER_DX_LATTICE = 0.75
+H_OVER_DX_DISORDERED = 0.9
+
+
+class Simulation:
+    """SUPG-stabilised mixed total-Lagrangian SPH of one scene.
+
+    ``spacing`` [m] of the particles; options are objects.  Everything is checked before the first
+    step: wrong pairs, a support that is too small, NaN in the initial data raise ``InputError``.
+    """
+
+    def __init__(
+        self,
+        scene: Scene,
+        *,
+        spacing: float,
+        formulation: Formulation | None = None,
+        stabilisation: Stabilisation | None = None,
+        operator: OperatorKind | None = None,
+        smoothing: SmoothingFunction | None = None,
+        h_over_dx: float | None = None,
+        cfl: float = 0.3,
+        angular_momentum: AngularMomentumTreatment | None = None,
+        integrator: TVDRK2 | None = None,
+    ) -> None:
+        started = clock.perf_counter()
+        self.scene = scene
+        self.formulation = PF() if formulation is None else formulation
+        self.stabilisation = SUPG() if stabilisation is None else stabilisation
+        check_pair(self.formulation, self.stabilisation)
+        check_cfl(cfl)
+        self.operator = Consistent() if operator is None else operator
+        self.integrator = TVDRK2() if integrator is None else integrator
+        self.angular_momentum = (
+            LocalProjection() if angular_momentum is None else angular_momentum
+        )
+        mesh = scene.body.mesh(spacing)
+        if h_over_dx is None:
+            h_over_dx = H_OVER_DX_LATTICE if mesh.is_lattice else H_OVER_DX_DISORDERED
+        self.h_over_dx = h_over_dx
+        self.cloud = build_cloud(
+            mesh,
+            smoothing=CubicSpline() if smoothing is None else smoothing,
+            h_over_dx=h_over_dx,
+            operator=self.operator,
+        )
+        self.secondary = (
+            build_secondary(self.cloud, self.stabilisation.secondary, h_over_dx=h_over_dx)
+            if isinstance(self.stabilisation, SUPG)
+            else None
+        )
+        self.consistency = consistency_report(self.cloud, scene.body.volume)
+
+        essential = EssentialConditions(scene, self.cloud)
+        self._rhs = RightHandSide(
+            material=scene.material,
+            cloud=self.cloud,
+            secondary=self.secondary,
+            formulation=self.formulation,
+            stabilisation=self.stabilisation,
+            angular_momentum=self.angular_momentum,
+            loads=Loads(scene, self.cloud),
+            essential=essential,
+        )
+        self.state = self._initial_state(essential)
+        self._stepper = self.integrator.stepper(self._rhs, self.state, essential)
+        self._time_step = TimeStep(
+            cfl=cfl,
+            h_min=self.cloud.h_min,
+            wave_speed=reference_p_wave_speed(scene.material),
+            size=self.cloud.size,
+        )
+        self.time = 0.0
+        self.step = 0
+        self.setup_seconds = clock.perf_counter() - started
+        self.run_seconds = 0.0
+
+    @property
+    def name(self) -> str:
+        """Scene, formulation, stabilisation and operator in a file-name friendly form."""
+        formulation = self.formulation.name.strip("{}").replace(",", "")
+        return (
+            f"{self.scene.name}-{formulation}-{self.stabilisation.name}-{self.operator.name}"
+        ).replace(" ", "_")
+
+    def _initial_state(self, essential: EssentialConditions) -> State:
+        cloud, f = self.cloud, self.formulation
+        u, v = self.scene.initial_state(cloud.X)
+        p = self.scene.material.density * v
+        essential.impose(p, 0.0)
+        x = cloud.X + u
+        # F starts as the discrete gradient of the geometry, so that F = F_x at every step end.
+        F = np.empty((cloud.size, 3, 3))
+        self._rhs.kinematic_gradient(x, 1.0, F)
+        self._rhs.set_geometry(x)
+        entries = split(F)
+        H = join(cofactor(entries)) if f.evolves_H else np.zeros((0, 3, 3))
+        J = np.array(determinant(entries)) if f.evolves_J else np.zeros(0)
+        return State(p=p, x=x, F=F, H=H, J=J)
+
+    def stable_time_step(self) -> float:
+        """Largest step allowed now [s]; raises ``Diverged`` when the state is invalid."""
+        s = self.state
+        return self._time_step.stable(
+            self.formulation.evolves_J, s.p, s.F, s.J, self.cloud.X, self.time, self.step
+        )
+
+    def advance(self, dt: float) -> None:
+        """One step of ``dt`` [s]."""
+        self._stepper.advance(dt, self.time)
+        self.time += dt
+        self.step += 1
+
+    def run(
+        self,
+        *,
+        until: float | None = None,
+        every: float | None = None,
+        record: Sequence[Recorder] = (),
+        progress: Callable[[Progress], None] | None = None,
+    ) -> History:
+        """Advance to ``until`` [s] and record every ``every`` [s]; see ``record.march``."""
+        started = clock.perf_counter()
+        try:
+            return march(self, until=until, every=every, record=record, progress=progress)
+        finally:
+            self.run_seconds += clock.perf_counter() - started
+
+    def snapshot(self) -> Snapshot:
+        """Copies of the state now, with the constitutive stress ``P(F, H, J)``."""
+        s, f, material = self.state, self.formulation, self.scene.material
+        F = split(s.F)
+        H = split(s.H) if f.evolves_H else cofactor(F)
+        J = s.J if f.evolves_J else determinant(F)
+        density = law.energy(material, F, H, J)
+        return Snapshot(
+            time=self.time,
+            step=self.step,
+            density=material.density,
+            X=self.cloud.X,
+            V=self.cloud.V,
+            x=s.x.copy(),
+            velocity=s.p / material.density,
+            stress_X=self.cloud.X,
+            stress_V=self.cloud.V,
+            F=s.F.copy(),
+            J=np.array(J, copy=True),
+            P=join(law.first_piola(material, F, H, J)),
+            strain_energy=float(np.sum(self.cloud.V * density)),
+        )
+
+    def plan(self) -> str:
+        """What is active and why, before anything runs."""
+        f, c = self.formulation, self.cloud
+        cost: dict[str, Any] = description()
+        lines = [
+            f"scene          {self.scene.name}: {self.scene.provenance or 'no provenance given'}",
+            f"particles      {c.size} primary, spacing {c.spacing:.4g} m, "
+            f"{c.pairs.mean_neighbours:.1f} neighbours (support {c.smoothing.support * c.h:.4g} m "
+            f"= {c.smoothing.support * self.h_over_dx:.3g} dx)",
+            f"operator       {self.operator.name}, "
+            + ("force and gradient adjoint" if c.gradients.is_adjoint else "not adjoint")
+            + f"; {self.consistency}",
+            "fields         p, x" + (", F" if f.evolves_F else " (F from the geometry)")
+            + (", H" if f.evolves_H else " (H = cof F)")
+            + (", J" if f.evolves_J else " (J = det F)"),
+            "projection     " + type(self.angular_momentum).__name__,
+            "stabilisation  " + self._stabilisation_line(),
+            f"integrator     {self.integrator.name}, CFL {self._time_step.cfl:g}, undeformed step "
+            f"{self._time_step.reference:.4g} s, about "
+            f"{int(np.ceil(self.scene.end_time / self._time_step.reference))} steps",
+            f"memory         {self.memory_bytes() / 1e6:.1f} MB, "
+            f"{self.memory_bytes() / c.size:.0f} B a particle",
+            f"threads        {cost['threads']} ({cost['threading_layer']})",
+        ]
+        return "\n".join(lines)
+
+    def _stabilisation_line(self) -> str:
+        s = self.stabilisation
+        if not isinstance(s, SUPG) or self.secondary is None:
+            return "none: no secondary particles are made"
+        return (
+            f"{s.name}, {type(s.fine_scale).__name__}, tau_F {s.tau_F:g} dt, xi_F {s.xi_F:g}, "
+            f"tau_p {s.tau_p:g} dt" + (" (no R_p pass)" if s.tau_p == 0.0 else "")
+            + f"; {len(self.secondary.X)} secondary particles, "
+            f"{self.secondary.pairs.mean_neighbours:.1f} neighbours"
+        )
+
+    def memory_bytes(self) -> int:
+        """Bytes of all arrays that live during a run."""
+        owners: list[Any] = [self.cloud, self.cloud.pairs, self.cloud.gradients, self.state]
+        owners += [self._rhs, self._rhs.rates, self._stepper]
+        if self.secondary is not None:
+            owners += [self.secondary, self.secondary.pairs, self.secondary.spread_pairs]
+        seen: dict[int, int] = {}
+        for owner in owners:
+            for value in vars(owner).values():
+                arrays = value if isinstance(value, list) else [value]
+                for array in arrays:
+                    if isinstance(array, np.ndarray):
+                        base = array if array.base is None else array.base
+                        seen[id(base)] = getattr(base, "nbytes", array.nbytes)
+        return sum(seen.values())
+
+    def summary(self) -> str:
+        """How far the run is and what it cost."""
+        work = self.step * self.cloud.size
+        per = f"{1e9 * self.run_seconds / work:.0f} ns a particle-step" if work else "no steps yet"
+        return (
+            f"{self.name}: t = {self.time:.6g} s, {self.step} steps, {self.cloud.size} particles, "
+            f"set-up {self.setup_seconds:.2f} s, run {self.run_seconds:.2f} s, {per}"
+        )
