@@ -1,0 +1,9 @@
+"""Finite element reference: explicit elements that read the same ``Scene`` as the particles.
+
+scikit-fem supplies mesh, shape functions and quadrature once; the time loop runs on arrays.
+"""
+
+from fem_reference.b_bar_hex import BBarHex
+from fem_reference.simulation import Simulation
+
+__all__ = ["BBarHex", "Simulation"]

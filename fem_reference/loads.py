@@ -1,0 +1,115 @@
+"""Body force and boundary tractions as nodal forces.
+
+    f_a(t) = integral N_a f0(X, t) dV + integral N_a t_B(X, N, t) dA
+
+The fields change with time, the shape functions do not: ``N_a(X_q) w_q`` is put into sparse
+matrices once (scikit-fem bases, 2x2x2 Gauss points in the volume and 2x2 on facets), so an
+evaluation costs one call of the field and one sparse product that gathers row by row.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import csr_matrix
+from skfem import Basis, ElementHex1, FacetBasis, MeshHex
+from skfem.assembly.basis import AbstractBasis
+
+from fem_reference.hex_quadrature import GAUSS_2
+from sphsolid.errors import InputError
+from sphsolid.scenes.scene import NoBodyForce, Scene
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Load:
+    """``f_a = sum_q [N_a(X_q) w_q] field(X_q)``.
+
+    ``field(t) -> (Q, 3)`` at all quadrature points; ``matrix (N, Q)`` [m^3] or [m^2].
+    """
+
+    what: str
+    field: Callable[[float], Array]
+    matrix: csr_matrix
+
+    def nodal_force(self, t: float) -> Array:
+        """``(N, 3)`` [N] at time ``t`` [s]; raises ``InputError`` for a field of wrong shape."""
+        values = np.asarray(self.field(t), dtype=float)
+        expected = (self.matrix.shape[1], 3)
+        if values.shape != expected:
+            raise InputError(
+                f"{self.what}: the field returned shape {values.shape} for {expected[0]} points, "
+                f"expected {expected}"
+            )
+        return np.asarray(self.matrix @ values)
+
+
+def loads_of(scene: Scene, sk: MeshHex) -> tuple[Load, ...]:
+    """The loads that the scene has: none for a body that only moves freely.
+
+    Raises ``InputError`` for a traction on an unknown tag, or for a field that is not finite or
+    has a wrong shape at time zero.
+    """
+    loads: list[Load] = []
+    body_force = scene.body_force
+    if not isinstance(body_force, NoBodyForce):
+        basis = Basis(sk, ElementHex1(), intorder=GAUSS_2)
+        X, matrix = _points(basis), _weighted_shapes(basis, sk)
+        loads.append(Load("body force", _at(body_force, X), matrix))
+    for traction in scene.tractions:
+        facets = (sk.boundaries or {}).get(traction.face, np.empty(0, dtype=np.int64))
+        if len(facets) == 0:
+            raise InputError(
+                f"traction on {traction.face!r}: unknown or empty boundary tag; the body has "
+                f"{sorted(sk.boundaries or {})}"
+            )
+        surface = FacetBasis(sk, ElementHex1(), facets=facets, intorder=GAUSS_2)
+        X, matrix = _points(surface), _weighted_shapes(surface, sk)
+        normals = np.ascontiguousarray(surface.normals.reshape(3, -1).T)
+        loads.append(Load(f"traction on {traction.face}", _at(traction.value, X, normals), matrix))
+    for load in loads:
+        if not np.isfinite(load.nodal_force(0.0)).all():
+            raise InputError(f"{load.what}: the field is not finite at t = 0")
+    return tuple(loads)
+
+
+def nodal_force(loads: tuple[Load, ...], t: float, nodes: int) -> Array:
+    """Sum of all loads ``(N, 3)`` [N], in their order."""
+    total = np.zeros((nodes, 3))
+    for load in loads:
+        total += load.nodal_force(t)
+    return total
+
+
+def _at(field: Callable[..., Array], *points: Array) -> Callable[[float], Array]:
+    """The field at fixed points, as a function of time alone."""
+    return lambda t: field(*points, t)
+
+
+def _points(basis: AbstractBasis) -> Array:
+    """Quadrature points ``(Q, 3)``, element by element."""
+    return np.ascontiguousarray(np.asarray(basis.global_coordinates()).reshape(3, -1).T)
+
+
+def _weighted_shapes(basis: AbstractBasis, sk: MeshHex) -> csr_matrix:
+    """``N_a(X_q) w_q`` as a matrix ``(N, Q)`` without its zeros (nodes off a facet)."""
+    shape = basis.dx.shape
+    column = np.arange(basis.dx.size)
+    rows, columns, entries = [], [], []
+    for local in range(8):
+        value = np.broadcast_to(np.asarray(basis.basis[local][0]), shape) * basis.dx
+        node = np.broadcast_to(basis.element_dofs[local][:, None], shape)
+        used = np.abs(value.ravel()) > 1.0e-14 * basis.dx.max()
+        rows.append(node.ravel()[used])
+        columns.append(column[used])
+        entries.append(value.ravel()[used])
+    matrix = csr_matrix(
+        (np.concatenate(entries), (np.concatenate(rows), np.concatenate(columns))),
+        shape=(sk.p.shape[1], basis.dx.size),
+    )
+    matrix.sort_indices()
+    return matrix

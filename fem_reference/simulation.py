@@ -1,0 +1,204 @@
+"""Wiring of the finite element reference: scene in, snapshots out; no formula."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fem_reference.b_bar_hex import BBarHex
+from fem_reference.central_difference import EssentialConditions, central_difference_step
+from fem_reference.element import Element
+from fem_reference.loads import loads_of, nodal_force
+from fem_reference.mesh import scikit_fem_mesh
+from sphsolid.compiled import threads
+from sphsolid.continuum import reference_p_wave_speed
+from sphsolid.errors import Diverged, InputError, require
+from sphsolid.record import History, Progress, Snapshot, march
+from sphsolid.record.recorders import Recorder
+from sphsolid.scenes.scene import Scene
+
+Array = NDArray[np.float64]
+
+
+#: Options are immutable objects, so one default serves every simulation.
+DEFAULT_ELEMENT = BBarHex()
+
+
+class Simulation:
+    """Explicit finite elements on ``scene``, with the surface of ``sphsolid.Simulation``.
+
+    Unknowns are the nodal positions ``x (N, 3)`` [m] and velocities ``(N, 3)`` [m/s]; row-sum
+    lumped mass; central differences.  The constructor raises ``InputError`` for a wrong
+    ``spacing``, ``cfl``, ``element``, tag, load or initial state.
+    """
+
+    def __init__(
+        self, scene: Scene, *, spacing: float, element: Element = DEFAULT_ELEMENT, cfl: float = 0.6
+    ) -> None:
+        """``spacing`` [m] nominal edge; ``cfl`` fraction of the stable step, in (0, 1]."""
+        require(
+            math.isfinite(cfl) and 0.0 < cfl <= 1.0,
+            f"cfl = {cfl} is outside (0, 1]; central differences are stable to about 0.85, use 0.6",
+        )
+        if not hasattr(element, "discretise"):
+            raise InputError(f"element = {element!r} is no element technology; use BBarHex()")
+        self.scene = scene
+        self.element = element
+        self.cfl = cfl
+        self.time = 0.0
+        self.step = 0
+        self._mesh = scene.body.mesh(spacing)
+        sk = scikit_fem_mesh(self._mesh)
+        self._elements = element.discretise(mesh=self._mesh, sk=sk, material=scene.material)
+        self._loads = loads_of(scene, sk)
+        self._essential = EssentialConditions.of(scene.constraints, self._mesh)
+        self._V = self._elements.nodal_volumes
+        self._mass = (scene.material.density * self._V)[:, None]
+        self._wave_speed = reference_p_wave_speed(scene.material)
+        self._wall_time = 0.0
+        self._smallest_dt = math.inf
+
+        displacement, velocity = scene.initial_state(self._mesh.vertices)
+        self._x = self._mesh.vertices + displacement
+        self._v = velocity.copy()
+        self._essential.apply(self._v, 0.0)
+        self._a = np.empty_like(self._x)
+        self._accelerate(self._x, 0.0, self._a)
+        folded = self._elements.invalid_element()
+        require(
+            folded < 0,
+            f"scene {scene.name!r}: the initial displacement turns element {folded} inside out "
+            "(J <= 0); reduce its amplitude or refine the mesh",
+        )
+
+    @property
+    def name(self) -> str:
+        """``<scene>_fem_<element>``, for file names."""
+        return f"{self.scene.name}_fem_{self.element.name}"
+
+    def stable_time_step(self) -> float:
+        """``cfl * min_e (length_e lambda_e / max(1, Jbar_e)) / c_p`` [s].
+
+        ``length_e`` is the smallest stretch of the reference map of element ``e`` (the edge of a
+        cube), ``lambda_e`` the smallest principal stretch at its Gauss points now, ``c_p`` the
+        p-wave speed of the undeformed solid: waves in the reference body travel at most about
+        ``c_p max(1, J) / lambda``.  The limit ``2 / omega_max`` of central differences lies
+        between 0.85 (free, nearly incompressible cubes) and 2 (slanted elements) times this at
+        ``cfl = 1``.  Raises ``Diverged`` when the state is invalid.
+        """
+        self._check()
+        return self.cfl * self._elements.smallest_length() / self._wave_speed
+
+    def advance(self, dt: float) -> None:
+        """One central-difference step of ``dt`` [s]; raises ``Diverged`` when ``J <= 0`` or nan."""
+        start = time.perf_counter()
+        central_difference_step(
+            self._x,
+            self._v,
+            self._a,
+            t=self.time,
+            dt=dt,
+            accelerate=self._accelerate,
+            essential=self._essential,
+        )
+        self._wall_time += time.perf_counter() - start
+        self.time += dt
+        self.step += 1
+        self._smallest_dt = min(self._smallest_dt, dt)
+        self._check()
+
+    def snapshot(self) -> Snapshot:
+        """State now: nodes with lumped volumes, stresses at element centroids."""
+        stress = self._elements.stress(self._x)
+        X = self._mesh.vertices
+        return Snapshot(
+            time=self.time,
+            step=self.step,
+            density=self.scene.material.density,
+            X=X,
+            V=self._V,
+            x=self._x.copy(),
+            velocity=self._v.copy(),
+            stress_X=X[self._mesh.cells].mean(axis=1),
+            stress_V=self._elements.volumes,
+            F=stress.F,
+            J=stress.J,
+            P=stress.P,
+            strain_energy=self._elements.strain_energy(self._x),
+        )
+
+    def run(
+        self,
+        *,
+        until: float | None = None,
+        every: float | None = None,
+        record: Sequence[Recorder] = (),
+        progress: Callable[[Progress], None] | None = None,
+    ) -> History:
+        """Advance to ``until`` [s] recording every ``every`` [s]; see ``sphsolid.record.march``."""
+        return march(self, until=until, every=every, record=record, progress=progress)
+
+    def plan(self) -> str:
+        """What is active and what it will cost, in words."""
+        dt = self.stable_time_step()
+        remaining = max(0.0, self.scene.end_time - self.time)
+        loads = ", ".join(load.what for load in self._loads) or "none (no load vector is formed)"
+        moving = len(self._essential.driven)
+        return "\n".join(
+            (
+                f"{self.name}: explicit finite elements",
+                f"  elements     {self._elements.description()}",
+                f"  nodes        {len(self._x)}, row-sum lumped mass",
+                f"  time         central differences, cfl {self.cfl:g}, dt {dt:.4g} s now, about "
+                f"{math.ceil(remaining / dt)} steps to {self.scene.end_time:.4g} s",
+                f"  essential    {len(self._essential.nodes)} constrained nodes, "
+                f"{moving} constraints with a prescribed motion",
+                f"  loads        {loads}",
+                f"  memory       {self._nbytes() / 2**20:.1f} MiB of arrays",
+                f"  threads      {threads()}",
+            )
+        )
+
+    def summary(self) -> str:
+        """What was done: steps, time steps, speed."""
+        elements = len(self._mesh.cells)
+        done = f"{self.name}: t = {self.time:.6g} s after {self.step} steps"
+        if self.step == 0:
+            return f"{done}; {elements} elements, {len(self._x)} nodes"
+        speed = 1.0e9 * self._wall_time / (self.step * elements)
+        return (
+            f"{done}; {elements} elements, {len(self._x)} nodes, smallest dt "
+            f"{self._smallest_dt:.4g} s, {self._wall_time:.3g} s in steps = {speed:.0f} ns per "
+            f"element-step on {threads()} threads"
+        )
+
+    def _accelerate(self, x: Array, t: float, acceleration: Array) -> None:
+        self._elements.internal_force(x, acceleration)
+        if self._loads:
+            np.subtract(nodal_force(self._loads, t, len(x)), acceleration, out=acceleration)
+        else:
+            np.negative(acceleration, out=acceleration)
+        acceleration /= self._mass
+
+    def _check(self) -> None:
+        element = self._elements.invalid_element()
+        if element < 0:
+            return
+        X = self._mesh.vertices[self._mesh.cells[element]].mean(axis=0)
+        raise Diverged(
+            reason=f"element {element} is inside out or not finite (J <= 0 at a Gauss point)",
+            time=self.time,
+            step=self.step,
+            particle=element,
+            position=(float(X[0]), float(X[1]), float(X[2])),
+            advice=f"a cfl below {self.cfl:g}, a finer mesh, or a smaller load",
+        )
+
+    def _nbytes(self) -> int:
+        state = 3 * self._x.nbytes + 2 * self._V.nbytes + self._mesh.vertices.nbytes
+        loads = sum(load.matrix.data.nbytes + load.matrix.indices.nbytes for load in self._loads)
+        return state + self._elements.nbytes + self._essential.nbytes + loads

@@ -1,0 +1,1 @@
+"""Studies: each runs independent cases, returns tables, and has a report made from them."""

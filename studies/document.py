@@ -1,0 +1,149 @@
+"""A small model of a document, and how it becomes a PDF.
+
+A report is a title, an abstract and sections of paragraphs, bullet lists, tables and figures.
+With the ``typst`` package it is typeset by typst, otherwise laid out plainly by matplotlib; the
+content is the same.  Equal documents give equal bytes: no date or version enters the file.
+
+Texts are plain; `` `code` `` and ``**bold**`` are the only markup, everything else is literal.
+"""
+
+from __future__ import annotations
+
+import importlib.util
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, Literal
+
+import numpy as np
+import pandas as pd
+
+from sphsolid.errors import require
+
+
+@dataclass(frozen=True)
+class Paragraph:
+    """Running text."""
+
+    text: str
+
+
+@dataclass(frozen=True)
+class Bullets:
+    """A list of short texts."""
+
+    items: Sequence[str]
+
+
+@dataclass(frozen=True)
+class Table:
+    """A data frame with a caption; long ones go over pages with their heading repeated.
+
+    ``formats`` maps a column to a format such as ``".2e"`` (floats otherwise ``".3g"``),
+    ``headings`` to what stands above it (otherwise its name).  Numbers are set right, texts left.
+    """
+
+    caption: str
+    frame: pd.DataFrame
+    formats: Mapping[str, str] = field(default_factory=dict)
+    headings: Mapping[str, str] = field(default_factory=dict)
+
+    def head(self) -> list[str]:
+        """Headings in order."""
+        return [self.headings.get(str(c), str(c)) for c in self.frame.columns]
+
+    def body(self) -> list[list[str]]:
+        """Formatted cells, row by row."""
+        names = [str(c) for c in self.frame.columns]
+        return [
+            [format_cell(v, self.formats.get(n, "")) for n, v in zip(names, row, strict=True)]
+            for row in self.frame.itertuples(index=False, name=None)
+        ]
+
+    def numeric(self) -> list[bool]:
+        """Which columns hold numbers."""
+        return [
+            pd.api.types.is_numeric_dtype(kind) and not pd.api.types.is_bool_dtype(kind)
+            for kind in self.frame.dtypes
+        ]
+
+
+@dataclass(frozen=True)
+class Figure:
+    """A drawing saved by ``plotting.save_figure``: ``path`` names it with or without suffix.
+
+    Both ``.pdf`` (for typst) and ``.png`` must be there.  ``width`` is a fraction of the text's.
+    """
+
+    caption: str
+    path: Path
+    width: float = 1.0
+
+    def file(self, kind: Literal["pdf", "png"]) -> Path:
+        """The saved file of one kind; raises ``InputError`` if it is missing."""
+        stem = self.path.with_suffix("") if self.path.suffix in (".pdf", ".png") else self.path
+        path = stem.with_name(f"{stem.name}.{kind}")
+        require(path.exists(), f"figure {path} is missing: save it before the report is made")
+        return path
+
+
+Block = Paragraph | Bullets | Table | Figure
+
+
+@dataclass(frozen=True)
+class Section:
+    """A heading and what stands under it."""
+
+    title: str
+    blocks: Sequence[Block]
+
+
+@dataclass(frozen=True)
+class Document:
+    """The whole report; ``subtitle`` is a line under the title (say, version and date)."""
+
+    title: str
+    abstract: str
+    sections: Sequence[Section]
+    subtitle: str = ""
+
+
+def write_pdf(
+    document: Document, path: Path, *, engine: Literal["auto", "typst", "pages"] = "auto"
+) -> None:
+    """Make the PDF; ``auto`` takes typst where it is installed."""
+    if engine == "auto":
+        engine = "typst" if importlib.util.find_spec("typst") else "pages"
+    if engine == "typst":
+        from studies.document_typst import render
+    else:
+        from studies.document_pages import render
+    path.parent.mkdir(parents=True, exist_ok=True)
+    render(document, path)
+
+
+def format_cell(value: Any, pattern: str = "") -> str:
+    """A cell as text: missing values as a dash, floats with three digits unless told."""
+    if value is None or (isinstance(value, float | np.floating) and np.isnan(value)):
+        return "–"
+    if isinstance(value, bool | np.bool_):
+        return "yes" if value else "no"
+    if isinstance(value, int | np.integer):
+        return format(int(value), pattern or "d")
+    if isinstance(value, float | np.floating):
+        return format(float(value), pattern or ".3g")
+    return str(value)
+
+
+def pieces(text: str) -> list[tuple[str, str]]:
+    """Split a text into ``(kind, text)`` with kind ``plain``, ``code`` or ``bold``."""
+    found = []
+    for part in re.split(r"(`[^`]+`|\*\*[^*]+\*\*)", text):
+        if len(part) > 2 and part[0] == part[-1] == "`":
+            found.append(("code", part[1:-1]))
+        elif len(part) > 4 and part[:2] == part[-2:] == "**":
+            found.append(("bold", part[2:-2]))
+        elif part:
+            found.append(("plain", part))
+    return found

@@ -1,0 +1,210 @@
+"""One look for all figures: style, colours of methods, convergence panels, files.
+
+Figures are made without pyplot, so nothing needs a display and nothing is shared between them.
+The palette is that of Okabe and Ito, which colour-blind readers can tell apart; markers and line
+styles say the same again.
+"""
+
+from __future__ import annotations
+
+import re
+import zlib
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+from matplotlib.ticker import FixedLocator, NullFormatter, NullLocator
+from numpy.typing import NDArray
+
+BLACK, ORANGE, SKY, GREEN, YELLOW, BLUE, VERMILION, PURPLE = PALETTE = (
+    "#000000", "#E69F00", "#56B4E9", "#009E73", "#F0E442", "#0072B2", "#D55E00", "#CC79A7",
+)  # fmt: skip
+
+#: Colour and marker of every method, the same in all reports.
+_METHODS: dict[str, tuple[str, str]] = {
+    "pf": (BLUE, "o"),
+    "pfj": (VERMILION, "^"),
+    "pfhj": (GREEN, "s"),
+    "pj": (PURPLE, "v"),
+    "displacement": (ORANGE, "X"),
+    "bbar": (BLACK, "D"),
+    "taylorhood": (SKY, "P"),
+    "jst": (PURPLE, "<"),
+    "pgfem": (SKY, ">"),
+}
+# Any: which names matplotlib's types allow differs between its versions.
+_STYLE: dict[Any, Any] = {
+    "font.size": 9.0,
+    "font.family": "DejaVu Sans",
+    "axes.titlesize": 9.5,
+    "axes.labelsize": 9.0,
+    "axes.linewidth": 0.7,
+    "axes.grid": True,
+    "axes.axisbelow": True,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "grid.linewidth": 0.4,
+    "grid.color": "#dddddd",
+    "legend.fontsize": 8.0,
+    "legend.frameon": False,
+    "lines.linewidth": 1.3,
+    "lines.markersize": 4.8,
+    "xtick.labelsize": 8.0,
+    "ytick.labelsize": 8.0,
+    "pdf.fonttype": 42,
+    "svg.hashsalt": "sphsolid",
+}
+
+
+@contextmanager
+def style() -> Iterator[None]:
+    """The shared style; the front makes every report inside it."""
+    with mpl.rc_context(_STYLE):
+        yield
+
+
+def method_look(formulation: str, *, secondary: str = "", operator: str = "") -> dict[str, Any]:
+    """Line keywords of a method: colour and marker by formulation, dashes by secondary points
+    (``H6`` dashed), open markers and thin lines for the ``Literal`` operator.
+    """
+    braces = re.search(r"\{(.*?)\}", formulation)
+    name = re.sub(r"[^a-z]", "", (braces.group(1) if braces else formulation).lower())
+    known = [key for key in _METHODS if key == name or (len(key) > 2 and key in name)]
+    if known:
+        colour, marker = _METHODS[max(known, key=len)]
+    else:
+        number = zlib.crc32(name.encode())
+        colour, marker = PALETTE[1 + number % 7], "o^svDP"[number % 6]
+    literal = operator.lower().startswith("literal")
+    return {
+        "color": colour,
+        "marker": marker,
+        "linestyle": "--" if secondary.upper() == "H6" else "-",
+        "markerfacecolor": "white" if literal else colour,
+        "linewidth": 0.9 if literal else 1.4,
+    }
+
+
+def panels(
+    rows: int, columns: int, *, width: float = 3.0, height: float = 2.9
+) -> tuple[Figure, NDArray[Any]]:
+    """A figure and its ``(rows, columns)`` axes, each about ``width x height`` [inch]."""
+    with style():
+        figure = Figure(figsize=(width * columns, height * rows + 0.5), layout="constrained")
+        FigureCanvasAgg(figure)
+        return figure, figure.subplots(rows, columns, squeeze=False)
+
+
+@dataclass(frozen=True)
+class Curve:
+    """One family of refinements: spacings ``h`` [m] and errors, with a label and line keywords."""
+
+    label: str
+    h: Sequence[float]
+    error: Sequence[float]
+    look: dict[str, Any] = field(default_factory=dict)
+
+
+def convergence_panel(
+    axes: Axes,
+    curves: Iterable[Curve],
+    *,
+    title: str = "",
+    x_label: str = "particle spacing h [m]",
+    y_label: str = "relative L2 error [-]",
+    slopes: Sequence[int] = (1, 2),
+) -> None:
+    """Error over spacing on log axes, with a reference line for each of ``slopes``.
+
+    The shallowest reference line stays above all points and every other below, so neither lines
+    nor their labels cover data.  Points that are not positive and finite are left out.
+    """
+    drawn = []
+    for curve in curves:
+        h, error = np.asarray(curve.h, dtype=float), np.asarray(curve.error, dtype=float)
+        good = np.isfinite(error) & (error > 0.0)
+        order = np.argsort(h[good])
+        h, error = h[good][order], error[good][order]
+        if len(h):
+            axes.plot(h, error, label=curve.label, **({"marker": "o"} | curve.look))
+            drawn.append((h, error))
+    axes.set_xscale("log")
+    axes.set_yscale("log")
+    axes.set(title=title, xlabel=x_label, ylabel=y_label)
+    if not drawn:
+        axes.text(0.5, 0.5, "no data", transform=axes.transAxes, ha="center", va="center")
+        return
+    h = np.unique(np.concatenate([pair[0] for pair in drawn]))
+    _spacing_ticks(axes, h)
+    if len(h) > 1:
+        _reference_lines(axes, drawn, h, sorted(slopes))
+
+
+def _reference_lines(
+    axes: Axes,
+    drawn: list[tuple[NDArray[np.float64], NDArray[np.float64]]],
+    h: NDArray[np.float64],
+    slopes: list[int],
+) -> None:
+    ends = h[[0, -1]]
+    for number, slope in enumerate(slopes):
+        ratio = np.concatenate([error / spacing**slope for spacing, error in drawn])
+        above = number == 0 and len(slopes) > 1
+        level = 1.8 * ratio.max() if above else ratio.min() / 1.8 ** max(1, number)
+        axes.plot(ends, level * ends**slope, color="0.55", linewidth=0.8, linestyle=":", zorder=1)
+        # The line rises to the right: above its right end and below its left end nothing is hit.
+        at = ends[-1] if above else ends[0]
+        axes.annotate(
+            f"slope {slope}",
+            (at, level * at**slope),
+            xytext=(0, 3) if above else (0, -3),
+            textcoords="offset points",
+            ha="right" if above else "left",
+            va="bottom" if above else "top",
+            color="0.4",
+            size=7.5,
+        )
+    low, high = axes.get_ylim()
+    axes.set_ylim(low / 1.8, high * 1.8)
+
+
+def _spacing_ticks(axes: Axes, h: NDArray[np.float64]) -> None:
+    inverse = np.rint(1.0 / h)
+    whole = np.allclose(h * inverse, 1.0, rtol=1e-6)
+    texts = [
+        f"1/{int(n)}" if whole and n > 1 else f"{value:.3g}"
+        for n, value in zip(inverse, h, strict=True)
+    ]
+    axes.xaxis.set_major_locator(FixedLocator(h.tolist()))
+    axes.xaxis.set_minor_locator(NullLocator())
+    axes.xaxis.set_minor_formatter(NullFormatter())
+    axes.set_xticklabels(texts)
+
+
+def outside_legend(figure: Figure, axes: Iterable[Axes], *, columns: int = 3) -> None:
+    """One legend under all panels, each label once: it can cover nothing."""
+    found: dict[str, Any] = {}
+    for ax in axes:
+        for handle, label in zip(*ax.get_legend_handles_labels(), strict=True):
+            found.setdefault(label, handle)
+    if found:
+        figure.legend(
+            list(found.values()), list(found), loc="outside lower center", ncols=columns
+        )
+
+
+def save_figure(figure: Figure, stem: Path) -> Path:
+    """Write ``stem.png`` (200 dpi) and ``stem.pdf``, no date or version in them; gives ``stem``."""
+    stem.parent.mkdir(parents=True, exist_ok=True)
+    nothing = {"CreationDate": None, "Creator": None, "Producer": None}
+    with style():
+        figure.savefig(stem.with_name(f"{stem.name}.png"), dpi=200, metadata={"Software": None})
+        figure.savefig(stem.with_name(f"{stem.name}.pdf"), metadata=nothing)
+    return stem

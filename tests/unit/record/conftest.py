@@ -1,0 +1,67 @@
+"""A solver that solves nothing, with a state known at every time."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from sphsolid.errors import Diverged
+from sphsolid.record import Snapshot
+from sphsolid.scenes import swinging_cube
+
+
+def snapshot_of(X, V, velocity, *, x=None, time=0.0, step=0, density=2.0, P=None, energy=0.0):
+    """A snapshot at particles; ``F = I`` and no stress unless given."""
+    identity = np.broadcast_to(np.eye(3), (len(X), 3, 3)).copy()
+    return Snapshot(
+        time=time,
+        step=step,
+        density=density,
+        X=X,
+        V=V,
+        x=X.copy() if x is None else x,
+        velocity=velocity,
+        stress_X=X,
+        stress_V=V,
+        F=identity,
+        J=np.ones(len(X)),
+        P=np.zeros_like(identity) if P is None else P,
+        strain_energy=energy,
+    )
+
+
+class FakeSolver:
+    """Two particles that move with speed ``t``; ``dt(t)`` is the stable step."""
+
+    def __init__(self, *, dt=lambda t: 0.03, fails_at=np.inf, scene=None):
+        self.scene = swinging_cube() if scene is None else scene
+        self.time = 0.0
+        self.step = 0
+        self.steps = []
+        self._dt = dt
+        self._fails_at = fails_at
+
+    def stable_time_step(self) -> float:
+        if self.time >= self._fails_at:
+            raise Diverged("negative Jacobian", self.time, self.step, 1, (0.0, 0.0, 1.0), "less")
+        return self._dt(self.time)
+
+    def advance(self, dt: float) -> None:
+        self.steps.append(dt)
+        self.time += dt
+        self.step += 1
+
+    def snapshot(self) -> Snapshot:
+        X = np.array([[0.0, 0.0, 0.0], [1.0, 1.0, 1.0]])
+        velocity = np.full((2, 3), self.time)
+        return snapshot_of(X, np.array([0.5, 0.5]), velocity, time=self.time, step=self.step)
+
+
+@pytest.fixture
+def fake_solver():
+    return FakeSolver
+
+
+@pytest.fixture
+def make_snapshot():
+    return snapshot_of

@@ -1,0 +1,105 @@
+"""Essential conditions as projectors, above all where faces meet."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from sphsolid.errors import InputError
+from sphsolid.scenes import Box, Constraint, swinging_cube
+from sphsolid.scenes.constraint import essential_parts, vertex_normals
+
+X, Y, Z = np.eye(3)
+
+
+def total(parts, mesh):
+    """Sum of the projectors of every particle ``(N, 3, 3)``."""
+    Q = np.zeros((len(mesh.vertices), 3, 3))
+    for part in parts:
+        Q[part.particles] += part.projector
+    return Q
+
+
+def at(mesh, *point):
+    return int(np.argmin(np.sum((mesh.vertices - np.array(point)) ** 2, axis=1)))
+
+
+def onto(*directions):
+    """Projector on the span of unit axes."""
+    return sum((np.outer(d, d) for d in directions), np.zeros((3, 3)))
+
+
+@pytest.mark.parametrize("jitter", [0.0, 0.3])
+def test_projectors_are_orthogonal_and_share_no_direction(jitter):
+    scene = swinging_cube(jitter=jitter)
+    mesh = scene.body.mesh(0.25)
+    parts = essential_parts(scene.constraints, mesh)
+    seen = np.zeros((len(mesh.vertices), 3, 3))
+    for part in parts:
+        Q = part.projector
+        np.testing.assert_allclose(Q, np.swapaxes(Q, 1, 2), atol=1e-14)
+        np.testing.assert_allclose(Q @ Q, Q, atol=1e-13)
+        np.testing.assert_allclose(Q @ seen[part.particles], 0.0, atol=1e-13)
+        seen[part.particles] += Q
+        assert part.is_fixed
+
+
+def test_swinging_cube_at_faces_edges_and_corners():
+    scene = swinging_cube()
+    mesh = scene.body.mesh(0.25)
+    Q = total(essential_parts(scene.constraints, mesh), mesh)
+    expected = {
+        (0.5, 0.5, 0.5): onto(),
+        (0.0, 0.5, 0.5): onto(X),  # roller
+        (0.5, 0.5, 0.0): onto(Z),
+        (1.0, 0.5, 0.5): onto(Y, Z),  # tangentially fixed
+        (0.5, 1.0, 0.5): onto(X, Z),
+        (0.0, 0.0, 0.5): onto(X, Y),  # two rollers
+        (0.0, 1.0, 0.5): onto(X, Z),  # roller X, tangential X and Z: X only once
+        (1.0, 0.5, 0.0): onto(Y, Z),
+        (1.0, 1.0, 0.5): onto(X, Y, Z),  # two tangential faces leave nothing
+        (0.0, 0.0, 0.0): onto(X, Y, Z),
+        (1.0, 0.0, 0.0): onto(Y, Z),  # two rollers, tangential in the same two: X is free
+        (1.0, 1.0, 1.0): onto(X, Y, Z),
+    }
+    for point, projector in expected.items():
+        np.testing.assert_allclose(Q[at(mesh, *point)], projector, atol=1e-13, err_msg=str(point))
+
+
+@pytest.mark.parametrize(
+    ("direction", "projector"),
+    [("normal", onto(Z)), ("tangential", onto(X, Y)), ("all", onto(X, Y, Z))],
+)
+def test_directions(direction, projector):
+    mesh = Box().mesh(0.5)
+    [part] = essential_parts((Constraint("Z+", direction),), mesh)
+    np.testing.assert_array_equal(part.particles, mesh.face_particles("Z+"))
+    np.testing.assert_allclose(part.projector, np.broadcast_to(projector, (9, 3, 3)), atol=1e-14)
+
+
+def test_a_later_constraint_adds_only_what_is_free():
+    mesh = Box().mesh(0.5)
+
+    def moving(X, t):
+        return np.full_like(X, t)
+
+    clamp, roller = Constraint("Y-", "all"), Constraint("X-", "normal", moving)
+    first, second = essential_parts((clamp, roller), mesh)
+    assert first.is_fixed
+    assert not second.is_fixed
+    on_both = np.isin(second.particles, first.particles)
+    np.testing.assert_allclose(second.projector[on_both], 0.0, atol=1e-14)
+    np.testing.assert_allclose(second.projector[~on_both], np.broadcast_to(onto(X), (6, 3, 3)))
+
+
+def test_normals_are_unit_and_outward_on_a_disordered_face():
+    particles, normal = vertex_normals(Box(jitter=0.4).mesh(0.25), "Y-")
+    assert len(particles) == 25
+    np.testing.assert_allclose(normal, np.broadcast_to(-Y, normal.shape), atol=1e-14)
+
+
+def test_bad_constraints_are_refused():
+    with pytest.raises(InputError, match=r"'sideways'.*'normal'"):
+        Constraint("X-", "sideways")
+    with pytest.raises(InputError, match="'bottom'"):
+        essential_parts((Constraint("bottom", "all"),), Box().mesh(0.5))

@@ -1,0 +1,169 @@
+"""Reports: every text arrives, nothing overflows its page silently, bytes repeat."""
+
+from __future__ import annotations
+
+import importlib.util
+import re
+import shutil
+import subprocess
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from sphsolid.errors import InputError
+from studies.document import (
+    Bullets,
+    Document,
+    Figure,
+    Paragraph,
+    Section,
+    Table,
+    format_cell,
+    pieces,
+    write_pdf,
+)
+from studies.document_typst import markup, quote
+from studies.plotting import panels, save_figure
+from studies.standard_sections import what_failed
+
+ENGINES = [
+    pytest.param(
+        "typst",
+        marks=pytest.mark.skipif(
+            importlib.util.find_spec("typst") is None, reason="the typst package is not installed"
+        ),
+    ),
+    "pages",
+]
+HOSTILE = '#1 $x$ <a> *b* _c_ @d \\e "f" [g] {h} ~ // = - + {p, F}, τ_F = Δt, ∇·P'
+
+
+def text_of(path) -> str:
+    """Text of a PDF with all white space made single, soft hyphens of line ends undone."""
+    if shutil.which("pdftotext") is None:
+        pytest.skip("pdftotext (poppler) is not installed, so the text of a PDF cannot be read")
+    command = ["pdftotext", "-layout", str(path), "-"]
+    made = subprocess.run(command, capture_output=True, text=True, check=True).stdout
+    return re.sub(r"\s+", " ", made)
+
+
+def pages_of(path) -> int:
+    data = path.read_bytes()
+    assert data.startswith(b"%PDF")
+    return max(int(n) for n in re.findall(rb"/Count (\d+)", data))
+
+
+def long_table(rows: int) -> Table:
+    frame = pd.DataFrame(
+        {"name": [f"row{i}" for i in range(rows)], "value": np.linspace(0, 1, rows), "ok": True}
+    )
+    frame.loc[1, "value"] = np.nan
+    return Table("A long table.", frame, {"value": ".3e"}, {"value": "error [-]"})
+
+
+@pytest.fixture
+def document(tmp_path) -> Document:
+    figure, axes = panels(1, 1)
+    axes[0, 0].plot([1, 2], [1, 2])
+    save_figure(figure, tmp_path / "figure")
+    blocks = [
+        Paragraph(f"Hostile: {HOSTILE}"),
+        Bullets(["first point", "second `code` and **bold**"]),
+        Figure("What the figure shows.", tmp_path / "figure", width=0.5),
+        long_table(150),
+    ]
+    failures = pd.DataFrame({"key": ["case 7"], "failure": ["Diverged"], "message": ["gone"]})
+    sections = [Section("First things", blocks), what_failed(failures)]
+    return Document(f"Title {HOSTILE}", "What this is.", sections, subtitle="a subtitle")
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+def test_all_content_arrives(engine, document, tmp_path):
+    path = tmp_path / "sub" / "report.pdf"
+    write_pdf(document, path, engine=engine)
+    assert [p.name for p in path.parent.iterdir()] == ["report.pdf"]
+    assert pages_of(path) >= 3
+    text = text_of(path)
+    for expected in (
+        HOSTILE,
+        "Abstract. What this is.",
+        "a subtitle",
+        "first point",
+        "second code and bold",
+        "Figure 1: What the figure shows.",
+        "Table 1: A long table.",
+        "row0 0.000e+00 yes",
+        "row1 – yes",
+        "row149 1.000e+00 yes",
+        "case 7 Diverged gone",
+    ):
+        assert expected in text, expected
+    assert text.count("error [-]") >= 3, "the heading of a table is repeated on its pages"
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+def test_same_document_same_bytes(engine, document, tmp_path):
+    for name in ("a.pdf", "b.pdf"):
+        write_pdf(document, tmp_path / name, engine=engine)
+    assert (tmp_path / "a.pdf").read_bytes() == (tmp_path / "b.pdf").read_bytes()
+    assert str(tmp_path).encode() not in (tmp_path / "a.pdf").read_bytes()
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+def test_a_wide_table_stays_on_the_page(engine, tmp_path):
+    wide = pd.DataFrame({f"column {i}": [f"{i}" * 12, f"end{i}"] for i in range(12)})
+    words = pd.DataFrame({"key": ["k"], "message": ["a long reason " * 30 + "to its last word"]})
+    tables = [Table("Wide.", wide), Table("Wordy.", words), Table("Empty.", wide.iloc[:0])]
+    path = tmp_path / "wide.pdf"
+    write_pdf(Document("Wide", "", [Section("One", tables)]), path, engine=engine)
+    if shutil.which("pdftotext") is None:
+        pytest.skip("pdftotext (poppler) is not installed, so positions cannot be read")
+    command = ["pdftotext", "-bbox", str(path), "-"]
+    boxes = subprocess.run(command, capture_output=True, text=True, check=True).stdout
+    right = [float(x) for x in re.findall(r'<word .*?xMax="([\d.]+)"', boxes)]
+    assert max(right) < 595.3 - 20.0
+    text = text_of(path)
+    assert "end11" in text
+    assert "word" in text
+
+
+def test_without_typst_the_pages_engine_is_taken(document, tmp_path, monkeypatch):
+    monkeypatch.setattr(importlib.util, "find_spec", lambda name: None)
+    write_pdf(document, tmp_path / "auto.pdf")
+    write_pdf(document, tmp_path / "pages.pdf", engine="pages")
+    assert (tmp_path / "auto.pdf").read_bytes() == (tmp_path / "pages.pdf").read_bytes()
+
+
+def test_a_missing_figure_is_named(tmp_path):
+    document = Document("T", "", [Section("S", [Figure("c", tmp_path / "not_there")])])
+    with pytest.raises(InputError, match="not_there"):
+        write_pdf(document, tmp_path / "t.pdf")
+
+
+@pytest.mark.parametrize(
+    ("value", "pattern", "text"),
+    [
+        (1.23456e-5, "", "1.23e-05"),
+        (0.5, ".2e", "5.00e-01"),
+        (float("nan"), "", "–"),
+        (None, "", "–"),
+        (np.float64(2.0), ".2f", "2.00"),
+        (np.int64(35937), "", "35937"),
+        (True, "", "yes"),
+        (np.bool_(False), "", "no"),
+        ("{p,F}", ".2e", "{p,F}"),
+    ],
+)
+def test_cells(value, pattern, text):
+    assert format_cell(value, pattern if not isinstance(value, str) else "") == text
+    if isinstance(value, str):
+        assert format_cell(value, pattern) == text
+
+
+def test_markup():
+    assert pieces("a `b` **c** d`") == [
+        ("plain", "a "), ("code", "b"), ("plain", " "), ("bold", "c"), ("plain", " d`")
+    ]  # fmt: skip
+    assert markup("x `y`") == '#"x ";#raw("y");'
+    assert quote('a"b\\c\nd') == '"a\\"b\\\\c d"'

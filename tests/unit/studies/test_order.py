@@ -1,0 +1,84 @@
+"""The judge of convergence, judged first on errors whose order is known."""
+
+from __future__ import annotations
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from sphsolid.errors import InputError
+from studies.order import fit_order, last_order, order_table
+
+
+@pytest.mark.parametrize("order", [1.0, 1.7, 3.0])
+@pytest.mark.parametrize("ratio", [2.0, 1.5])
+@pytest.mark.parametrize("measure", [fit_order, last_order])
+def test_recovers_a_known_order(measure, order, ratio):
+    h = 0.25 / ratio ** np.arange(4)
+    assert measure(h, 3.0 * h**order) == pytest.approx(order, abs=1e-12)
+    shuffled = [2, 0, 3, 1]
+    assert measure(h[shuffled], 3.0 * h[shuffled] ** order) == pytest.approx(order, abs=1e-12)
+
+
+def test_last_order_sees_only_the_two_finest():
+    h = np.array([1 / 4, 1 / 8, 1 / 16])
+    error = np.array([1.0, 1.0, 0.25])
+    assert last_order(h, error) == pytest.approx(2.0)
+    assert fit_order(h, error) == pytest.approx(1.0)
+
+
+@pytest.mark.parametrize(
+    ("h", "error"),
+    [
+        ([0.1], [0.1]),
+        ([], []),
+        ([0.1, 0.1], [0.1, 0.2]),
+        ([0.1, 0.2], [0.1, 0.0]),
+        ([0.1, 0.2], [0.1, -0.1]),
+        ([0.1, 0.2], [0.1, np.nan]),
+        ([0.1, 0.0], [0.1, 0.2]),
+        ([0.1, np.inf], [0.1, 0.2]),
+        ([0.1, 0.2, 0.3], [0.1, 0.2]),
+    ],
+)
+@pytest.mark.parametrize("measure", [fit_order, last_order])
+def test_refuses_what_has_no_order(measure, h, error):
+    with pytest.raises(InputError):
+        measure(h, error)
+
+
+def _table() -> pd.DataFrame:
+    rows = [
+        {"method": m, "component": c, "h": h, "particles": round(h**-3), "steps": 1, "wall_s": h,
+         "error": h**p}
+        for m, c, p in (("a", "p_x", 2.0), ("a", "P_xx", 1.0), ("b", "p_x", 3.0))
+        for h in (0.25, 0.125, 0.0625)
+    ]  # fmt: skip
+    return pd.DataFrame(rows)
+
+
+def test_table_has_a_row_per_family_in_order_of_appearance():
+    orders = order_table(_table())
+    assert list(orders["method"]) == ["a", "a", "b"]
+    assert list(orders["component"]) == ["p_x", "P_xx", "p_x"]
+    np.testing.assert_allclose(orders["order_fitted"], [2.0, 1.0, 3.0])
+    np.testing.assert_allclose(orders["order_last"], [2.0, 1.0, 3.0])
+    assert list(orders["levels"]) == [3, 3, 3]
+    np.testing.assert_allclose(orders["error_finest"], [0.0625**2, 0.0625, 0.0625**3])
+
+
+def test_table_gives_no_order_where_a_level_is_missing():
+    table = _table()
+    one_level = table[(table["method"] != "b") | (table["h"] == 0.25)].copy()
+    orders = order_table(one_level)
+    assert np.isnan(orders["order_last"].iloc[2])
+    assert orders["levels"].iloc[2] == 1
+    table.loc[0, "error"] = 0.0
+    assert np.isnan(order_table(table)["order_fitted"].iloc[0])
+
+
+def test_table_refuses_mixed_families():
+    with pytest.raises(InputError, match="repeats"):
+        order_table(_table(), by=["method"])
+    with pytest.raises(InputError, match="error"):
+        order_table(_table().drop(columns="error"))
