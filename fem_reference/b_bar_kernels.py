@@ -121,7 +121,7 @@ def element_energies(  # type: ignore[no-untyped-def]
         for g in range(8):
             F_g = load(F, g)
             J = determinant(F_g)
-            W = law.energy(material, F_g, cofactor(F_g), J)
+            W = law.stored_energy(material, F_g, cofactor(F_g), J)
             # U(Jbar) - U(J) as a product: no digits are lost where both are close to one.
             swap = 0.5 * material.kappa * (Jbar - J) * (Jbar + J - 2.0)
             total += weights[r, g] * (W + swap)

@@ -10,7 +10,7 @@ import numpy as np
 
 from sphsolid.cloud.cloud import build_cloud, build_secondary, consistency_report
 from sphsolid.cloud.operator import Consistent, OperatorKind
-from sphsolid.cloud.smoothing import CubicSpline, SmoothingFunction
+from sphsolid.cloud.smoothing import SmoothingFunction, WendlandC2
 from sphsolid.compiled import description
 from sphsolid.continuum import law
 from sphsolid.continuum.tensor import cofactor, determinant, join, split
@@ -18,9 +18,11 @@ from sphsolid.continuum.wave_speed import reference_p_wave_speed
 from sphsolid.record.march import History, Progress, march
 from sphsolid.record.recorders import Recorder
 from sphsolid.record.snapshot import Snapshot
-from sphsolid.scenes.scene import Scene
+from sphsolid.errors import InputError
+from sphsolid.scenes.scene import FromGeometry, Scene
 from sphsolid.scheme.boundary import EssentialConditions, Loads
 from sphsolid.scheme.formulation import PF, Formulation
+from sphsolid.scheme.initial_strain import Compatible, Given, InitialStrain
 from sphsolid.scheme.projection import AngularMomentumTreatment, LocalProjection
 from sphsolid.scheme.right_hand_side import RightHandSide, State
 from sphsolid.scheme.stabilisation import SUPG, Stabilisation, check_pair
@@ -51,6 +53,7 @@ class Simulation:
         h_over_dx: float | None = None,
         cfl: float = 0.3,
         angular_momentum: AngularMomentumTreatment | None = None,
+        initial_strain: InitialStrain | None = None,
         integrator: TVDRK2 | None = None,
     ) -> None:
         started = clock.perf_counter()
@@ -70,7 +73,7 @@ class Simulation:
         self.h_over_dx = h_over_dx
         self.cloud = build_cloud(
             mesh,
-            smoothing=CubicSpline() if smoothing is None else smoothing,
+            smoothing=WendlandC2() if smoothing is None else smoothing,
             h_over_dx=h_over_dx,
             operator=self.operator,
         )
@@ -92,6 +95,7 @@ class Simulation:
             loads=Loads(scene, self.cloud),
             essential=essential,
         )
+        self.initial_strain = self._chosen_strain(initial_strain)
         self.state = self._initial_state(essential)
         self._stepper = self.integrator.stepper(self._rhs, self.state, essential)
         self._time_step = TimeStep(
@@ -113,15 +117,31 @@ class Simulation:
             f"{self.scene.name}-{formulation}-{self.stabilisation.name}-{self.operator.name}"
         ).replace(" ", "_")
 
+    def _chosen_strain(self, asked: InitialStrain | None) -> InitialStrain:
+        stated = not isinstance(self.scene.initial_deformation_gradient, FromGeometry)
+        if isinstance(asked, Given) and not (stated and self.formulation.evolves_F):
+            raise InputError(
+                "initial_strain = Given() needs a scene that states its "
+                "initial_deformation_gradient and a formulation that evolves F; "
+                "use Compatible()"
+            )
+        if asked is not None:
+            return asked
+        adjoint = self.cloud.gradients.is_adjoint
+        return Given() if stated and self.formulation.evolves_F and not adjoint else Compatible()
+
     def _initial_state(self, essential: EssentialConditions) -> State:
         cloud, f = self.cloud, self.formulation
         u, v = self.scene.initial_state(cloud.X)
         p = self.scene.material.density * v
         essential.impose(p, 0.0)
         x = cloud.X + u
-        # F starts as the discrete gradient of the geometry, so that F = F_x at every step end.
         F = np.empty((cloud.size, 3, 3))
-        self._rhs.kinematic_gradient(x, 1.0, F)
+        given = self.scene.initial_deformation_gradient
+        if isinstance(self.initial_strain, Given) and not isinstance(given, FromGeometry):
+            F[:] = given(cloud.X)
+        else:
+            self._rhs.kinematic_gradient(x, 1.0, F)
         self._rhs.set_geometry(x)
         entries = split(F)
         H = join(cofactor(entries)) if f.evolves_H else np.zeros((0, 3, 3))
@@ -162,7 +182,7 @@ class Simulation:
         F = split(s.F)
         H = split(s.H) if f.evolves_H else cofactor(F)
         J = s.J if f.evolves_J else determinant(F)
-        density = law.energy(material, F, H, J)
+        density = law.stored_energy(material, F, H, J)
         return Snapshot(
             time=self.time,
             step=self.step,
@@ -194,6 +214,7 @@ class Simulation:
             "fields         p, x" + (", F" if f.evolves_F else " (F from the geometry)")
             + (", H" if f.evolves_H else " (H = cof F)")
             + (", J" if f.evolves_J else " (J = det F)"),
+            "initial strain " + type(self.initial_strain).__name__,
             "projection     " + type(self.angular_momentum).__name__,
             "stabilisation  " + self._stabilisation_line(),
             f"integrator     {self.integrator.name}, CFL {self._time_step.cfl:g}, undeformed step "

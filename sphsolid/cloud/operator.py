@@ -115,9 +115,8 @@ class Consistent:
         base = _base(self.gradient, cloud)
         X, pairs = cloud.mesh.vertices, cloud.pairs
         distance = np.linalg.norm(offsets(X, X, pairs), axis=1)
-        weights = cloud.smoothing.value(distance, cloud.h) / cloud.smoothing.value(
-            np.zeros(1), cloud.h
-        )
+        peak = cloud.smoothing.value(np.zeros(1), cloud.h)
+        weights = np.sqrt(cloud.smoothing.value(distance, cloud.h) / peak)
         if cloud.mesh.is_lattice:
             # The defect of a wider support reaches further in than the default two layers.
             reach = int(np.ceil(cloud.smoothing.support * cloud.h / cloud.mesh.spacing - 1e-9))

@@ -10,6 +10,7 @@ With ``W(F, H, J)`` the polyconvex energy [J/m^3] of [Lee2017] eq. (7):
 * :func:`conjugate_stresses` ``(Sigma_F, Sigma_H, Sigma_J) = dW/d(F, H, J)``, eq. (8);
 * :func:`first_piola` ``P = Sigma_F + Sigma_H x F + Sigma_J H``, eq. (9);
 * :func:`hessian_action` ``[H_W] (dF, dH, dJ)``, eqs. (10)-(12);
+* :func:`stored_energy` ``W`` counted from the undeformed state;
 * :func:`tangent_action` ``dP = (dP/dF) : dF`` along ``H = cof F``, ``J = det F``.
 
 ``F``, ``H``, ``dF``, ``dH`` are nine-entry tensors (see ``tensor``), ``J`` and ``dJ`` numbers.
@@ -22,6 +23,7 @@ from typing import Any
 
 from sphsolid.compiled import overload, register_jitable
 from sphsolid.continuum.tensor import (
+    IDENTITY,
     Tensor,
     add,
     axpy,
@@ -101,6 +103,16 @@ def _first_piola(material, F, H, J):  # type: ignore[no-untyped-def]
 def _hessian_action(material, F, H, J, dF, dH, dJ):  # type: ignore[no-untyped-def]
     law = _LAWS["hessian_action"][material.instance_class]
     return lambda material, F, H, J, dF, dH, dJ: law(material, F, H, J, dF, dH, dJ)
+
+
+@register_jitable
+def stored_energy(material: Any, F: Tensor, H: Tensor, J: Any) -> Any:
+    """``W(F, H, J) - W(I, I, 1)`` [J/m^3]: the energy counted from the undeformed state.
+
+    Eq. (7) is not zero there (3/2 mu for the neo-Hookean solid), which would drown the strain
+    energy of a run.
+    """
+    return energy(material, F, H, J) - energy(material, IDENTITY, IDENTITY, 1.0)
 
 
 @register_jitable

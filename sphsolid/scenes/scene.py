@@ -16,6 +16,8 @@ from sphsolid.scenes.constraint import Constraint
 Array = NDArray[np.float64]
 #: ``f(X (n, 3)) -> (n, 3)``.
 VectorField = Callable[[Array], Array]
+#: ``f(X (n, 3)) -> (n, 3, 3)``.
+TensorField = Callable[[Array], Array]
 #: ``f(X (n, 3), t) -> (n, 3)``.
 TimeField = Callable[[Array, float], Array]
 
@@ -61,6 +63,11 @@ class NoExactSolution:
 
 
 @dataclass(frozen=True)
+class FromGeometry:
+    """The scene states no initial ``F``: it follows from the initial displacement."""
+
+
+@dataclass(frozen=True)
 class NoBodyForce:
     """No force acts on the volume; costs nothing."""
 
@@ -95,6 +102,7 @@ class Scene:
     end_time: float
     initial_displacement: VectorField = at_rest
     initial_velocity: VectorField = at_rest
+    initial_deformation_gradient: TensorField | FromGeometry = FromGeometry()
     constraints: tuple[Constraint, ...] = ()
     tractions: tuple[Traction, ...] = ()
     body_force: TimeField | NoBodyForce = NoBodyForce()

@@ -191,6 +191,7 @@ def swinging_cube(
         end_time=wave.period,
         initial_displacement=lambda X: wave.displacement(X, 0.0),
         initial_velocity=lambda X: wave.velocity(X, 0.0),
+        initial_deformation_gradient=lambda X: wave.deformation_gradient(X, 0.0),
         constraints=rollers + skew,
         tractions=tuple(Traction(face, wave.traction) for face in loaded),
         body_force=wave.body_force if manufactured else NoBodyForce(),

@@ -1,6 +1,7 @@
 """The method of the paper, sections 3 to 6: one idea a file."""
 
 from sphsolid.scheme.formulation import PF, PFHJ, PFJ, PJ, Displacement, Formulation
+from sphsolid.scheme.initial_strain import Compatible, Given, InitialStrain
 from sphsolid.scheme.projection import LocalProjection, NoProjection
 from sphsolid.scheme.stabilisation import (
     SUPG,
@@ -19,9 +20,12 @@ __all__ = [
     "PJ",
     "SUPG",
     "TVDRK2",
+    "Compatible",
     "Displacement",
     "Formulation",
     "FullHessian",
+    "Given",
+    "InitialStrain",
     "LocalProjection",
     "NoProjection",
     "NoStabilisation",
