@@ -9,21 +9,25 @@ from typing import Any
 import numpy as np
 
 from sphsolid.cloud.cloud import build_cloud, build_secondary, consistency_report
-from sphsolid.cloud.operator import Consistent, OperatorKind
+from sphsolid.cloud.operator import Consistent, Literal, OperatorKind
 from sphsolid.cloud.smoothing import SmoothingFunction, WendlandC2
 from sphsolid.compiled import description
 from sphsolid.continuum import law
 from sphsolid.continuum.tensor import cofactor, determinant, join, split
 from sphsolid.continuum.wave_speed import reference_p_wave_speed
+from sphsolid.errors import InputError
 from sphsolid.record.march import History, Progress, march
 from sphsolid.record.recorders import Recorder
 from sphsolid.record.snapshot import Snapshot
-from sphsolid.errors import InputError
 from sphsolid.scenes.scene import FromGeometry, Scene
 from sphsolid.scheme.boundary import EssentialConditions, Loads
 from sphsolid.scheme.formulation import PF, Formulation
 from sphsolid.scheme.initial_strain import Compatible, Given, InitialStrain
-from sphsolid.scheme.projection import AngularMomentumTreatment, LocalProjection
+from sphsolid.scheme.projection import (
+    AngularMomentumTreatment,
+    LocalProjection,
+    NoProjection,
+)
 from sphsolid.scheme.right_hand_side import RightHandSide, State
 from sphsolid.scheme.stabilisation import SUPG, Stabilisation, check_pair
 from sphsolid.scheme.time_step import TimeStep, check_cfl
@@ -32,6 +36,12 @@ from sphsolid.scheme.tvd_rk2 import TVDRK2
 #: Smoothing length over spacing where none is given (support 1.5 and 1.8 spacings).
 H_OVER_DX_LATTICE = 0.75
 H_OVER_DX_DISORDERED = 0.9
+
+
+def _known(name: str, option: object, *kinds: type) -> None:
+    if option is not None and not isinstance(option, kinds):
+        allowed = ", ".join(f"{kind.__name__}()" for kind in kinds)
+        raise InputError(f"{name} = {option!r} is not an option object; use one of {allowed}")
 
 
 class Simulation:
@@ -62,6 +72,10 @@ class Simulation:
         self.stabilisation = SUPG() if stabilisation is None else stabilisation
         check_pair(self.formulation, self.stabilisation)
         check_cfl(cfl)
+        _known("operator", operator, Literal, Consistent)
+        _known("angular_momentum", angular_momentum, LocalProjection, NoProjection)
+        _known("initial_strain", initial_strain, Compatible, Given)
+        _known("integrator", integrator, TVDRK2)
         self.operator = Consistent() if operator is None else operator
         self.integrator = TVDRK2() if integrator is None else integrator
         self.angular_momentum = (

@@ -32,8 +32,8 @@ class Snapshot:
     tributary volume); ``density`` [kg/m^3].  ``stress_X (M, 3)``, ``stress_V (M,)``,
     ``F (M, 3, 3)``, ``J (M,)``, ``P (M, 3, 3)`` where the method evaluates the constitutive law:
     the particles themselves, or the element centroids of a finite element method (its
-    superconvergent points).  ``strain_energy`` [J], zero in the undeformed state, and ``kinetic_energy``
-    [J] are totals with the method's own quadrature.
+    superconvergent points).  ``strain_energy`` [J], zero in the undeformed state, and
+    ``kinetic_energy`` [J] are totals with the method's own quadrature.
     """
 
     time: float

@@ -112,9 +112,10 @@ class RightHandSide:
         )
 
     def evaluate(self, state: State, geometry: Array, dt: float, t: float) -> State:
-        """Rates of ``state`` at time ``t``; ``geometry (N, 3)`` are the positions that ``F_x`` uses.
+        """Rates of ``state`` at time ``t``.
 
-        The caller has called :meth:`set_geometry` with the same ``geometry``.
+        ``geometry (N, 3)`` [m] are the positions that ``F_x`` uses; the caller has called
+        :meth:`set_geometry` with them.
         """
         f, material, pairs = self.formulation, self.material, self.cloud.pairs
         rates = self.rates
