@@ -22,10 +22,9 @@ how well D0 is solved.  D0 itself is one symmetric positive semidefinite system 
 the constants and the linears, to which ``r`` is orthogonal because the volumes and areas come from
 one mesh.  ``S`` is applied pair by pair, never assembled, and solved by conjugate gradients.
 
-``w_ab = sqrt(W_ab / W_0)``: between the smoothing function itself, which leaves the change to the
-nearest neighbours, and equal weights.  Of the exponents 0, 1/2, 1 and 2 of ``W`` tried on the
-swinging cube, 1/2 gave stress slopes above 1.9 with force and gradient adjoint at almost no cost
-in momentum; see ``docs/operators.md``.
+``w_ab = (W_ab / W_0)^(1/2)`` by default: between the smoothing function itself, which leaves the
+change to the nearest neighbours, and equal weights.  ``python -m studies.operators`` compares the
+exponents; ``docs/operators.md`` says why this one.
 
 On a lattice only particles within two cells of the boundary have ``r != 0``, so the change is
 confined to pairs among them (``w = 0`` elsewhere); the interior keeps one stencil.

@@ -18,7 +18,7 @@ from sphsolid.cloud.consistent import least_change
 from sphsolid.cloud.gradient import corrected_gradient, linear_kernel_gradient, offsets
 from sphsolid.cloud.neighbours import PairList
 from sphsolid.cloud.smoothing import SmoothingFunction
-from sphsolid.errors import InputError
+from sphsolid.errors import InputError, require
 from sphsolid.scenes.hex_mesh import HexMesh
 
 Array = NDArray[np.float64]
@@ -94,16 +94,24 @@ class Consistent:
     ``use = "everywhere"`` (default): force and kinematics adjoint, so the space discretisation
     neither makes nor eats energy.  ``use = "force"``: kinematics stay literal; stresses are more
     accurate at the boundary, energy is not controlled.  ``layers``: on a lattice the change is
-    confined to particles within that many cells of the boundary.
+    confined to particles within that many cells of the boundary (more if the support reaches
+    further).  ``weight_exponent``: the change is weighed by ``w = (W / W_0)^exponent``; 0 shares it
+    equally among all neighbours, larger values leave it to the nearest.
     """
 
     use: OneOf["everywhere", "force"] = "everywhere"
     gradient: GradientKind = "corrected_kernel"
     layers: int = 2
+    weight_exponent: float = 0.5
 
     def __post_init__(self) -> None:
         if self.use not in ("everywhere", "force"):
             raise InputError(f"Consistent: use {self.use!r} is not one of 'everywhere', 'force'")
+        require(
+            self.layers >= 1 and 0.0 <= self.weight_exponent < float("inf"),
+            f"Consistent: layers = {self.layers} must be at least 1 and weight_exponent = "
+            f"{self.weight_exponent} finite and not negative; 2 and 0.5 are the defaults",
+        )
 
     @property
     def name(self) -> str:
@@ -116,7 +124,8 @@ class Consistent:
         X, pairs = cloud.mesh.vertices, cloud.pairs
         distance = np.linalg.norm(offsets(X, X, pairs), axis=1)
         peak = cloud.smoothing.value(np.zeros(1), cloud.h)
-        weights = np.sqrt(cloud.smoothing.value(distance, cloud.h) / peak)
+        share = cloud.smoothing.value(distance, cloud.h) / peak
+        weights = np.where(share > 0.0, share**self.weight_exponent, 0.0)
         if cloud.mesh.is_lattice:
             # The defect of a wider support reaches further in than the default two layers.
             reach = int(np.ceil(cloud.smoothing.support * cloud.h / cloud.mesh.spacing - 1e-9))

@@ -7,11 +7,21 @@ from numpy.typing import NDArray
 
 from sphsolid.cloud.background_mesh import area_vectors
 from sphsolid.cloud.cloud import Cloud
+from sphsolid.compiled import kernel, prange
 from sphsolid.errors import InputError
 from sphsolid.scenes.constraint import essential_parts
 from sphsolid.scenes.scene import NoBodyForce, Scene
 
 Array = NDArray[np.float64]
+
+
+@kernel
+def _keep_free(particles, free, rate):  # type: ignore[no-untyped-def]
+    for n in prange(len(particles)):
+        a = particles[n]
+        r0, r1, r2 = rate[a, 0], rate[a, 1], rate[a, 2]
+        for i in range(3):
+            rate[a, i] = free[n, i, 0] * r0 + free[n, i, 1] * r1 + free[n, i, 2] * r2
 
 
 class Loads:
@@ -76,7 +86,9 @@ class EssentialConditions:
         taken = np.zeros((cloud.size, 3, 3))
         for part in parts:
             taken[part.particles] += part.projector
-        self._free = np.eye(3) - taken[self.particles]
+        free = np.eye(3) - taken[self.particles]
+        # Axis-aligned conditions become exact zeros and ones, so that a fixed component is zero.
+        self._free = np.where(np.abs(free) < 1e-14, 0.0, free)
 
     def impose(self, p: Array, t: float) -> None:
         """Set the constrained components of ``p (N, 3)`` to ``rho0`` times their velocity."""
@@ -88,4 +100,4 @@ class EssentialConditions:
     def release(self, rate: Array) -> None:
         """Zero the constrained components of a rate ``(N, 3)``."""
         if len(self.particles):
-            rate[self.particles] = np.einsum("nij,nj->ni", self._free, rate[self.particles])
+            _keep_free(self.particles, self._free, rate)

@@ -14,6 +14,17 @@ from sphsolid.errors import InputError, require
 from sphsolid.scheme.formulation import Formulation
 
 
+def _check_coefficients(owner: object, *names: str) -> None:
+    """Raise ``InputError`` unless each named attribute is ``None`` or finite and >= 0."""
+    for name in names:
+        value = getattr(owner, name)
+        require(
+            value is None or (math.isfinite(value) and value >= 0.0),
+            f"{type(owner).__name__}: {name} = {value} must be finite and >= 0 (a tau is in units "
+            "of dt); a negative one feeds energy into the modes it should damp",
+        )
+
+
 @dataclass(frozen=True)
 class SimplifiedHessian:
     """Eq. (27): ``P_fine = tau_F gamma R_F + xi_F alpha R_F^x``.
@@ -23,6 +34,9 @@ class SimplifiedHessian:
 
     gamma: float | None = None
     alpha: float | None = None
+
+    def __post_init__(self) -> None:
+        _check_coefficients(self, "gamma", "alpha")
 
     def moduli(self, material: Any) -> tuple[float, float]:
         """``gamma, alpha`` [Pa] for a material."""
@@ -43,6 +57,9 @@ class FullHessian:
     tau_J: float = 0.0
     alpha: float | None = None
 
+    def __post_init__(self) -> None:
+        _check_coefficients(self, "tau_H", "tau_J", "alpha")
+
 
 @dataclass(frozen=True)
 class StabilisedStrains:
@@ -55,6 +72,9 @@ class StabilisedStrains:
     tau_J: float = 0.0
     xi_H: float = 0.0
     xi_J: float = 0.0
+
+    def __post_init__(self) -> None:
+        _check_coefficients(self, "tau_H", "tau_J", "xi_H", "xi_J")
 
 
 FineScale = SimplifiedHessian | FullHessian | StabilisedStrains
@@ -89,14 +109,16 @@ class SUPG:
     fine_scale: FineScale = field(default_factory=SimplifiedHessian)
 
     def __post_init__(self) -> None:
-        for name in ("tau_F", "xi_F", "tau_p"):
-            value = getattr(self, name)
-            require(
-                math.isfinite(value) and value >= 0.0,
-                f"SUPG: {name} = {value} must be finite and >= 0 (it is in units of dt for a tau); "
-                "a negative one feeds energy into the modes it should damp",
+        _check_coefficients(self, "tau_F", "xi_F", "tau_p")
+        if isinstance(self.secondary, type) or not hasattr(self.secondary, "place"):
+            raise InputError(f"SUPG: secondary = {self.secondary!r} is unknown; use H1() or H6()")
+        if not isinstance(self.fine_scale, FineScale):
+            raise InputError(
+                f"SUPG: fine_scale = {self.fine_scale!r} is unknown; use SimplifiedHessian(), "
+                "FullHessian() or StabilisedStrains()"
             )
-        if self.tau_F == self.xi_F == self.tau_p == 0.0:
+        own = [getattr(self.fine_scale, name, 0.0) for name in ("tau_H", "tau_J", "xi_H", "xi_J")]
+        if self.tau_F == self.xi_F == self.tau_p == 0.0 and not any(own):
             raise InputError(
                 "SUPG with tau_F = xi_F = tau_p = 0 does nothing; use NoStabilisation()"
             )
