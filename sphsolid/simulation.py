@@ -33,8 +33,8 @@ from sphsolid.scheme.stabilisation import SUPG, Stabilisation, check_pair
 from sphsolid.scheme.time_step import TimeStep, check_cfl
 from sphsolid.scheme.tvd_rk2 import TVDRK2
 
-#: Smoothing length over spacing where none is given (support 1.5 and 1.8 spacings).
-H_OVER_DX_LATTICE = 0.75
+#: Smoothing length over spacing where none is given (support 1.54 and 1.8 spacings).
+H_OVER_DX_LATTICE = 0.77
 H_OVER_DX_DISORDERED = 0.9
 
 

@@ -38,8 +38,6 @@ PROJECTIONS: dict[str, AngularMomentumTreatment] = {
     "local": sph.LocalProjection(),
     "none": sph.NoProjection(),
 }
-#: Time-integrated residual of the paper's Fig. 4: 0.1 with H1, none with H6.
-XI_F = {"H1": 0.1, "H6": 0.0}
 
 
 def period_errors_of(sim: Solver) -> dict[str, float]:
@@ -62,6 +60,7 @@ def run_case(
     secondary: str,
     operator: str,
     projection: str,
+    xi_F: float,
     tau_p: float,
     cells: int,
 ) -> list[dict[str, Any]]:
@@ -85,9 +84,7 @@ def run_case(
         particles = (cells + 1) ** 3
     else:
         stabilisation = (
-            sph.SUPG(
-                tau_F=1.0, xi_F=XI_F[secondary], tau_p=tau_p, secondary=SECONDARY[secondary]
-            )
+            sph.SUPG(tau_F=1.0, xi_F=xi_F, tau_p=tau_p, secondary=SECONDARY[secondary])
             if method == "SUPG-SPH"
             else sph.NoStabilisation()
         )
@@ -111,6 +108,8 @@ def run_case(
         "secondary": secondary,
         "operator": operator,
         "projection": projection,
+        "xi_F": xi_F,
+        "tau_p": tau_p,
     }
     return [
         common

@@ -23,12 +23,12 @@ from studies.standard_sections import subtitle, what_failed, what_was_run
 DEFAULT: dict[str, Any] = {
     "use": "everywhere",
     "smoothing": "Wendland C2",
-    "h_over_dx": 0.75,
+    "h_over_dx": 0.77,
     "exponent": 0.5,
     "gradient": "corrected_kernel",
     "layers": 2,
     "initial_strain": "compatible",
-    "xi_F": 0.1,
+    "xi_F": 0.0,
 }
 VARIANTS: dict[str, dict[str, Any]] = {
     "default": {},
@@ -38,18 +38,20 @@ VARIANTS: dict[str, dict[str, Any]] = {
     "cubic spline": {"smoothing": "cubic spline"},
     "cubic spline, W^0": {"smoothing": "cubic spline", "exponent": 0.0},
     "cubic spline, W^1": {"smoothing": "cubic spline", "exponent": 1.0},
-    "quintic spline": {"smoothing": "quintic spline", "h_over_dx": 0.5},
+    "quintic spline": {"smoothing": "quintic spline", "h_over_dx": 0.51},
     "support 1.44 dx": {"h_over_dx": 0.72},
+    "support 1.5 dx": {"h_over_dx": 0.75},
     "support 1.8 dx": {"h_over_dx": 0.9},
     "support 2 dx": {"h_over_dx": 1.0},
     "linear-kernel gradient": {"gradient": "linear_kernel"},
     "band of 4 layers": {"layers": 4},
-    "xi_F = 0": {"xi_F": 0.0},
+    "xi_F = 0.05": {"xi_F": 0.05},
+    "xi_F = 0.1": {"xi_F": 0.1},
     "given initial strain": {"initial_strain": "given"},
     "force only, given strain": {"use": "force", "initial_strain": "given"},
     "force only, compatible strain": {"use": "force"},
-    "force only, given strain, cubic, W^1": {
-        "use": "force", "initial_strain": "given", "smoothing": "cubic spline", "exponent": 1.0,
+    "force only, given strain, xi_F = 0.1": {
+        "use": "force", "initial_strain": "given", "xi_F": 0.1,
     },
 }  # fmt: skip
 FAMILIES = ("A+B+C=0", "A=B=C")

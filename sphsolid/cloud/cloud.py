@@ -114,7 +114,7 @@ def build_cloud(
     """
     require(
         np.isfinite(h_over_dx) and h_over_dx > 0.0,
-        f"h_over_dx = {h_over_dx} must be positive; 0.75 is the default on a lattice",
+        f"h_over_dx = {h_over_dx} must be positive; 0.77 is the default on a lattice",
     )
     X = mesh.vertices
     V = vertex_volumes(mesh)

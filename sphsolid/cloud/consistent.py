@@ -42,6 +42,8 @@ from sphsolid.compiled import kernel, prange
 from sphsolid.errors import InputError
 
 Array = NDArray[np.float64]
+#: Iterations without progress after which a solution that is good enough is taken.
+PATIENCE = 500
 
 
 @dataclass(frozen=True)
@@ -169,6 +171,8 @@ def _conjugate_gradients(
 ) -> tuple[Array, int]:
     """Jacobi-preconditioned CG on the three components at once; returns ``mu`` and the count.
 
+    Round-off may hold the residual just above ``stop``: what is good enough and has not halved
+    in ``PATIENCE`` iterations is taken.
     Totals are plain numpy sums, whose order does not depend on the number of threads.
     """
     diagonal = system.diagonal()
@@ -181,12 +185,17 @@ def _conjugate_gradients(
     direction = z.copy()
     rz = np.sum(residual * z, axis=0)
     best, best_size = mu.copy(), np.inf
+    mark, marked = np.inf, 0
     for iteration in range(most):
         size = float(np.max(np.abs(residual)))
         if size < best_size:
             best, best_size = mu.copy(), size
         if size <= stop:
             return mu, iteration
+        if size < 0.5 * mark:
+            mark, marked = size, iteration
+        elif best_size <= 100.0 * stop and iteration - marked > PATIENCE:
+            return best, iteration
         applied = system.apply(direction)
         curvature = np.sum(direction * applied, axis=0)
         step = np.divide(rz, curvature, out=np.zeros(3), where=curvature > 0.0)

@@ -127,9 +127,11 @@ class Consistent:
         share = cloud.smoothing.value(distance, cloud.h) / peak
         weights = np.where(share > 0.0, share**self.weight_exponent, 0.0)
         if cloud.mesh.is_lattice:
-            # The defect of a wider support reaches further in than the default two layers.
-            reach = int(np.ceil(cloud.smoothing.support * cloud.h / cloud.mesh.spacing - 1e-9))
-            near = layers_from_boundary(cloud.mesh) <= max(self.layers, reach)
+            # Rows that see a boundary particle, with its share of a volume, differ from the inner
+            # stencil, and so do the columns that see those rows: twice the cells in reach.
+            reach = cloud.smoothing.support * cloud.h / cloud.mesh.spacing
+            cells = int(np.ceil(reach - 1e-9)) - 1
+            near = layers_from_boundary(cloud.mesh) <= max(self.layers, 2 * cells)
             weights = weights * (near[pairs.row_of_pair] & near[pairs.indices])
         change = least_change(base, pairs, X, cloud.volumes, cloud.areas, weights)
         corrected = base + change.D

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sphsolid.cloud.background_mesh import cell_volumes_and_centroids
+from sphsolid.errors import InputError
 from sphsolid.scenes.hex_mesh import HexMesh
 
 Array = NDArray[np.float64]
@@ -54,8 +55,20 @@ class H6:
     name: str = "H6"
 
     def place(self, mesh: HexMesh) -> tuple[Array, Array]:
-        """Positions ``X_q (6 C, 3)`` and volumes ``V_q (6 C,)``."""
+        """Positions ``X_q (6 C, 3)`` and volumes ``V_q (6 C,)``.
+
+        Raises ``InputError`` where a tetrahedron is flat or inside out, which a strongly distorted
+        hexahedron can hold without being so itself: its dissipation would feed energy.
+        """
         tetrahedra = mesh.cells[:, KUHN].reshape(-1, 4)
         corner = mesh.vertices[tetrahedra]
         edges = corner[:, 1:] - corner[:, :1]
-        return corner.mean(axis=1), np.linalg.det(edges) / 6.0
+        volume = np.linalg.det(edges) / 6.0
+        worst = int(np.argmin(volume))
+        if not volume[worst] > 0.0:
+            raise InputError(
+                f"H6: a tetrahedron of cell {worst // 6} of the background mesh is inverted or "
+                f"flat (volume {volume[worst]:.3g} m^3 near X = "
+                f"{corner[worst].mean(axis=0).tolist()} m); reduce the jitter or use H1()"
+            )
+        return corner.mean(axis=1), volume
