@@ -66,7 +66,8 @@ _SHORT = {
     "wall_s_finest": "wall s",
 }  # fmt: skip
 _FORMATS = {
-    "xi_F": "g", "slope_p_last": ".2f", "slope_P_last": ".2f", "error_p_h16": ".2e", "error_P_h16": ".2e",
+    "xi_F": "g",
+    "slope_p_last": ".2f", "slope_P_last": ".2f", "error_p_h16": ".2e", "error_P_h16": ".2e",
     "error_p_finest": ".2e", "error_P_finest": ".2e", "wall_s_finest": ".1f",
 }  # fmt: skip
 
@@ -271,7 +272,10 @@ def _at_17(results: Results) -> Table:
     wide = wanted.assign(
         name=wanted["field"] + "_" + wanted["component"]
     ).pivot_table(
-        index=["method", "operator", "projection", "xi_F"], columns="name", values="error", sort=False
+        index=["method", "operator", "projection", "xi_F"],
+        columns="name",
+        values="error",
+        sort=False,
     )[["p_x", "p_z", "P_xx", "P_zz", "P_xy", "P_xz"]].reset_index()  # fmt: skip
     return Table(
         "Errors at 17^3 particles, linear limit, A+B+C=0, nu = 0.3, {p,F} SUPG-SPH-H1 and the "

@@ -32,6 +32,9 @@ DEFAULT: dict[str, Any] = {
 }
 VARIANTS: dict[str, dict[str, Any]] = {
     "default": {},
+    "as printed": {"use": "nowhere"},
+    "as printed, linear-kernel gradient": {"use": "nowhere", "gradient": "linear_kernel"},
+    "as printed, support 1.4 dx": {"use": "nowhere", "h_over_dx": 0.7},
     "weights W^0": {"exponent": 0.0},
     "weights W^1": {"exponent": 1.0},
     "weights W^2": {"exponent": 2.0},

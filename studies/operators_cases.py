@@ -43,11 +43,15 @@ def _simulation(
         spacing=spacing,
         formulation=formulation,
         stabilisation=sph.SUPG(xi_F=xi_F, tau_p=tau_p),
-        operator=sph.Consistent(
-            use=use,  # type: ignore[arg-type]
-            gradient=gradient,  # type: ignore[arg-type]
-            layers=layers,
-            weight_exponent=exponent,
+        operator=(
+            sph.Literal(gradient=gradient)  # type: ignore[arg-type]
+            if use == "nowhere"
+            else sph.Consistent(
+                use=use,  # type: ignore[arg-type]
+                gradient=gradient,  # type: ignore[arg-type]
+                layers=layers,
+                weight_exponent=exponent,
+            )
         ),
         smoothing=SMOOTHING[smoothing],
         h_over_dx=h_over_dx,
