@@ -9,7 +9,6 @@ Texts are plain; `` `code` `` and ``**bold**`` are the only markup, everything e
 
 from __future__ import annotations
 
-import importlib.util
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -107,20 +106,6 @@ class Document:
     abstract: str
     sections: Sequence[Section]
     subtitle: str = ""
-
-
-def write_pdf(
-    document: Document, path: Path, *, engine: Literal["auto", "typst", "pages"] = "auto"
-) -> None:
-    """Make the PDF; ``auto`` takes typst where it is installed."""
-    if engine == "auto":
-        engine = "typst" if importlib.util.find_spec("typst") else "pages"
-    if engine == "typst":
-        from studies.document_typst import render
-    else:
-        from studies.document_pages import render
-    path.parent.mkdir(parents=True, exist_ok=True)
-    render(document, path)
 
 
 def format_cell(value: Any, pattern: str = "") -> str:

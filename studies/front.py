@@ -25,7 +25,8 @@ import pandas as pd
 
 from sphsolid.errors import InputError, require
 from studies.cases import Case, Outcome, Row, load, partial_path, write_atomically
-from studies.document import Document, write_pdf
+from studies.document import Document
+from studies.document_pdf import write_pdf
 from studies.plotting import style
 from studies.pool import longest_first, run_cases
 from studies.progress import Reporter, duration, reporter

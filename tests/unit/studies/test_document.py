@@ -21,8 +21,8 @@ from studies.document import (
     Table,
     format_cell,
     pieces,
-    write_pdf,
 )
+from studies.document_pdf import write_pdf
 from studies.document_typst import markup, quote
 from studies.plotting import panels, save_figure
 from studies.standard_sections import what_failed
