@@ -72,6 +72,11 @@ class Simulation:
         self.stabilisation = SUPG() if stabilisation is None else stabilisation
         check_pair(self.formulation, self.stabilisation)
         check_cfl(cfl)
+        if smoothing is not None and not hasattr(smoothing, "slope"):
+            raise InputError(
+                f"smoothing = {smoothing!r} is not a smoothing function; use one of WendlandC2(), "
+                "CubicSpline(), QuinticSpline()"
+            )
         _known("operator", operator, Literal, Consistent)
         _known("angular_momentum", angular_momentum, LocalProjection, NoProjection)
         _known("initial_strain", initial_strain, Compatible, Given)
@@ -153,11 +158,27 @@ class Simulation:
         F = np.empty((cloud.size, 3, 3))
         given = self.scene.initial_deformation_gradient
         if isinstance(self.initial_strain, Given) and not isinstance(given, FromGeometry):
-            F[:] = given(cloud.X)
+            stated = np.asarray(given(cloud.X), dtype=float)
+            if stated.shape != F.shape:
+                raise InputError(
+                    f"scene {self.scene.name!r}: initial_deformation_gradient returned shape "
+                    f"{stated.shape}, expected {F.shape}"
+                )
+            F[:] = stated
         else:
             self._rhs.kinematic_gradient(x, 1.0, F)
-        self._rhs.set_geometry(x)
         entries = split(F)
+        detF = np.asarray(determinant(entries))
+        invalid = np.flatnonzero(~(detF > 0.0))
+        if len(invalid):
+            a = int(invalid[0])
+            raise InputError(
+                f"scene {self.scene.name!r}: the initial state is inside out or not finite at "
+                f"{len(invalid)} of {cloud.size} particles, the first {a} at X = "
+                f"{cloud.X[a].tolist()} m (det F = {detF[a]:.3g}); reduce the initial "
+                "displacement or correct the initial deformation gradient"
+            )
+        self._rhs.set_geometry(x)
         H = join(cofactor(entries)) if f.evolves_H else np.zeros((0, 3, 3))
         J = np.array(determinant(entries)) if f.evolves_J else np.zeros(0)
         return State(p=p, x=x, F=F, H=H, J=J)

@@ -128,4 +128,6 @@ def _march_to(solver: Solver, target: float) -> float:
         if steps == 1:
             # The last step of the gap lands on the target; name that instant exactly.
             solver.time = target
+            # A solution lost in this very step must not be recorded, nor end the run well.
+            solver.stable_time_step()
             return dt
