@@ -46,10 +46,12 @@ def _slopes_table(results: Results, scene: str, family: str, nu: float) -> Table
     )
 
 
-def _at_17(results: Results) -> Table:
-    """Errors of {p,F} H1 at 17^3 in the linear limit, family A+B+C=0."""
+def _classical_table(results: Results) -> Table:
+    """Errors of {p,F} H1 at 17^3 (or the finest level below) in the linear limit, A+B+C=0."""
     part = select(results.tables["table"], scene="linear", family="A+B+C=0", nu=0.3)
-    part = part[(part["h"] == 1.0 / 16.0)]
+    levels = part["h"][part["h"] >= 1.0 / 16.0]
+    level = float(levels.min()) if len(levels) else float(part["h"].min())
+    part = part[part["h"] == level]
     wanted = part[
         ((part["formulation"] == "{p,F}") & (part["secondary"] == "H1"))
         | (part["method"] != "SUPG-SPH")
@@ -63,8 +65,8 @@ def _at_17(results: Results) -> Table:
         sort=False,
     )[["p_x", "p_z", "P_xx", "P_zz", "P_xy", "P_xz"]].reset_index()  # fmt: skip
     return Table(
-        "Errors at 17^3 particles, linear limit, A+B+C=0, nu = 0.3, {p,F} SUPG-SPH-H1 and the "
-        "classical methods.",
+        f"Errors at {1.0 / level + 1.0:.0f}^3 particles, linear limit, A+B+C=0, nu = 0.3, {{p,F}} "
+        "SUPG-SPH-H1 and the classical methods.",
         wide,
         formats=dict.fromkeys(["p_x", "p_z", "P_xx", "P_zz", "P_xy", "P_xz"], ".2e")
         | {"xi_F": "g"},
@@ -94,7 +96,7 @@ def report(results: Results) -> Document:
         sections=[
             Section(
                 "The verdict",
-                [verdict_table(results), _at_17(results)],
+                [verdict_table(results), _classical_table(results)],
             ),
             Section(
                 "What is measured",
@@ -147,7 +149,16 @@ def report(results: Results) -> Document:
             ),
             Section(
                 "Near incompressibility",
-                [Figure("nu = 0.499, linear limit, A+B+C=0.", near, width=0.8)],
+                [
+                    Paragraph(
+                        "The mixed formulations do not lock: momentum is as accurate as that of "
+                        "the finite element. Their stress, dominated by a bulk modulus 500 times "
+                        "the shear modulus, converges too but is the less accurate one. Without "
+                        "stabilisation displacement SPH is lost: its undamped high modes grow, "
+                        "and on finer grids there are more steps to grow in."
+                    ),
+                    Figure("nu = 0.499, linear limit, A+B+C=0.", near, width=0.8),
+                ],
             ),
             Section(
                 "All slopes and errors",
