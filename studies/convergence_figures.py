@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -80,60 +81,62 @@ def select(table: pd.DataFrame, **wanted: Any) -> pd.DataFrame:
     return table
 
 
-def operators_figure(table: pd.DataFrame, stem: Path) -> Path:
-    """{p,F} SUPG-SPH-H1 by operator beside the classical methods; gives ``stem``."""
+def _scenes_by_fields(
+    table: pd.DataFrame,
+    curves_of: Callable[[pd.DataFrame], list[Curve]],
+    stem: Path,
+    legend_columns: int,
+) -> Path:
+    """Scenes and families from left to right, momentum above stress, nu = 0.3."""
     figure, axes = panels(2, 4, width=2.9, height=2.7)
     for column, (scene, family) in enumerate(_PANELS):
         for row, field in enumerate(_FIELD):
             part = select(table, scene=scene, family=family, field=field, nu=0.3)
-            curves = []
-            for label, which, look in _COMPARED:
-                runs = select(part, **which)
-                if which["method"] == "SUPG-SPH":
-                    runs = select(
-                        runs, formulation="{p,F}", secondary="H1", projection="local", xi_F=0.0
-                    )
-                curves.append(_curve(label, runs, look))
             convergence_panel(
                 axes[row, column],
-                curves,
+                curves_of(part),
                 title=f"{scene}, {family}: {_FIELD[field]}",
                 y_label="relative L2 error [-]" if column == 0 else "",
                 x_label="spacing h [m]" if row == 1 else "",
             )
-    outside_legend(figure, axes.flat, columns=5)
+    outside_legend(figure, axes.flat, columns=legend_columns)
     return save_figure(figure, stem)
+
+
+def operators_figure(table: pd.DataFrame, stem: Path) -> Path:
+    """{p,F} SUPG-SPH-H1 by operator beside the classical methods; gives ``stem``."""
+    basic = {"formulation": "{p,F}", "secondary": "H1", "projection": "local", "xi_F": 0.0}
+
+    def curves(part: pd.DataFrame) -> list[Curve]:
+        return [
+            _curve(
+                label,
+                select(part, **which, **(basic if which["method"] == "SUPG-SPH" else {})),
+                look,
+            )
+            for label, which, look in _COMPARED
+        ]
+
+    return _scenes_by_fields(table, curves, stem, legend_columns=5)
 
 
 def formulations_figure(table: pd.DataFrame, stem: Path) -> Path:
     """Every formulation and choice of secondary points, ``Consistent``; gives ``stem``."""
-    figure, axes = panels(2, 4, width=2.9, height=2.7)
-    for column, (scene, family) in enumerate(_PANELS):
-        for row, field in enumerate(_FIELD):
-            part = select(
-                table, scene=scene, family=family, field=field, nu=0.3, method="SUPG-SPH",
-                operator="Consistent", projection="local", xi_F=0.0,
-            )  # fmt: skip
-            curves = [
-                _curve(
-                    f"{formulation} {secondary}",
-                    runs,
-                    method_look(str(formulation), secondary=str(secondary))
-                    | _NESTED[str(formulation)],
-                )
-                for (formulation, secondary), runs in part.groupby(
-                    ["formulation", "secondary"], sort=False
-                )
-            ]
-            convergence_panel(
-                axes[row, column],
-                curves,
-                title=f"{scene}, {family}: {_FIELD[field]}",
-                y_label="relative L2 error [-]" if column == 0 else "",
-                x_label="spacing h [m]" if row == 1 else "",
+    shown = {"method": "SUPG-SPH", "operator": "Consistent", "projection": "local", "xi_F": 0.0}
+
+    def curves(part: pd.DataFrame) -> list[Curve]:
+        groups = select(part, **shown).groupby(["formulation", "secondary"], sort=False)
+        return [
+            _curve(
+                f"{formulation} {secondary}",
+                runs,
+                method_look(str(formulation), secondary=str(secondary))
+                | _NESTED[str(formulation)],
             )
-    outside_legend(figure, axes.flat, columns=6)
-    return save_figure(figure, stem)
+            for (formulation, secondary), runs in groups
+        ]
+
+    return _scenes_by_fields(table, curves, stem, legend_columns=6)
 
 
 def incompressible_figure(table: pd.DataFrame, stem: Path) -> Path:
