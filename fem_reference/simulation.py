@@ -118,7 +118,8 @@ class Simulation:
         return Snapshot(
             time=self.time,
             step=self.step,
-            density=self.scene.material.density,
+            material=self.scene.material,
+            mesh=self._mesh,
             X=X,
             V=self._V,
             x=self._x.copy(),

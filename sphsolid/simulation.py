@@ -221,7 +221,8 @@ class Simulation:
         return Snapshot(
             time=self.time,
             step=self.step,
-            density=material.density,
+            material=material,
+            mesh=self.cloud.mesh,
             X=self.cloud.X,
             V=self.cloud.V,
             x=s.x.copy(),

@@ -13,30 +13,16 @@ from pathlib import Path
 import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
 import fem_reference as fem
 import sphsolid as sph
-from sphsolid.record import Snapshot
 from sphsolid.scenes import twisting_column
-from sphsolid.scenes.hex_mesh import HexMesh
 from studies.cases import ROOT
 from studies.surface import draw_surface, frame_axes, pressure_scale
 
 TIMES = (0.03, 0.06, 0.1)
 #: Ends of the colour bar [Pa].
 LIMIT = 4.0e6
-
-
-def vertex_pressure(snapshot: Snapshot, mesh: HexMesh, kappa: float) -> NDArray[np.float64]:
-    """``kappa (J - 1)`` [Pa] at the vertices; element values are averaged by volume."""
-    if len(snapshot.J) == len(snapshot.X):
-        return kappa * (snapshot.J - 1.0)
-    total, weight = np.zeros(len(snapshot.X)), np.zeros(len(snapshot.X))
-    for corner in mesh.cells.T:
-        np.add.at(total, corner, snapshot.stress_V * (snapshot.J - 1.0))
-        np.add.at(weight, corner, snapshot.stress_V)
-    return kappa * total / weight
 
 
 def main(argv: list[str] | None = None) -> int:
@@ -47,7 +33,6 @@ def main(argv: list[str] | None = None) -> int:
     options = parser.parse_args(argv)
     scene = twisting_column()
     spacing = 1.0 / options.cells
-    mesh = scene.body.mesh(spacing)
     particles = sph.Simulation(
         scene, spacing=spacing, formulation=sph.PFJ(), stabilisation=sph.SUPG(tau_p=0.2)
     )
@@ -74,8 +59,7 @@ def main(argv: list[str] | None = None) -> int:
             projection="3d",
         )
         axes.patch.set_alpha(0.0)
-        pressure = vertex_pressure(shot, mesh, scene.material.kappa)
-        draw_surface(axes, mesh, shot.x, pressure, scale)
+        draw_surface(axes, shot.mesh, shot.x, shot.at_vertices("pressure"), scale)
         frame_axes(axes, low, high)
         figure.text(centre, 0.94, title, ha="center", fontsize=11)
     bar = figure.add_axes((0.945, 0.14, 0.012, 0.66))

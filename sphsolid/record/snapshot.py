@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from sphsolid.errors import InputError
+from sphsolid.scenes.hex_mesh import HexMesh
 
 Array = NDArray[np.float64]
 
@@ -29,16 +31,18 @@ class Snapshot:
     """The state of a body at ``time`` [s] after ``step`` steps.
 
     ``X, x, velocity (N, 3)`` and ``V (N,)`` at the primary points (particles, or nodes with their
-    tributary volume); ``density`` [kg/m^3].  ``stress_X (M, 3)``, ``stress_V (M,)``,
-    ``F (M, 3, 3)``, ``J (M,)``, ``P (M, 3, 3)`` where the method evaluates the constitutive law:
-    the particles themselves, or the element centroids of a finite element method (its
-    superconvergent points).  ``strain_energy`` [J], zero in the undeformed state, and
-    ``kinetic_energy`` [J] are totals with the method's own quadrature.
+    tributary volume), which are the vertices of ``mesh``; ``material`` is the constitutive law.
+    ``stress_X (M, 3)``, ``stress_V (M,)``, ``F (M, 3, 3)``, ``J (M,)``, ``P (M, 3, 3)`` where the
+    method evaluates the law: the particles themselves, or the element centroids of a finite
+    element method (its superconvergent points).  ``strain_energy`` [J], zero in the undeformed
+    state, and ``kinetic_energy`` [J] are totals with the method's own quadrature;
+    ``volumetric_energy`` [J] is the part ``sum V kappa/2 (J - 1)^2`` of the strain energy.
     """
 
     time: float
     step: int
-    density: float
+    material: Any
+    mesh: HexMesh
     X: Array
     V: Array
     x: Array
@@ -49,6 +53,11 @@ class Snapshot:
     J: Array
     P: Array
     strain_energy: float
+
+    @property
+    def density(self) -> float:
+        """``rho0`` [kg/m^3] of the undeformed solid."""
+        return float(self.material.density)
 
     @property
     def momentum(self) -> Array:
@@ -65,11 +74,45 @@ class Snapshot:
         """``sum V rho0 |v|^2 / 2`` [J]."""
         return float(0.5 * self.density * np.sum(self.V[:, None] * self.velocity**2))
 
+    @property
+    def volumetric_energy(self) -> float:
+        """``sum V kappa (J - 1)^2 / 2`` [J]."""
+        return float(0.5 * self.material.kappa * np.sum(self.stress_V * (self.J - 1.0) ** 2))
+
+    @property
+    def pressure(self) -> Array:
+        """``kappa (J - 1) (M,)`` [Pa], positive in tension."""
+        return np.asarray(self.material.kappa * (self.J - 1.0))
+
+    @property
+    def von_mises(self) -> Array:
+        """``sqrt(3/2 s:s) (M,)`` [Pa], ``s`` the deviator of ``sigma = P F^T / det F``."""
+        sigma = self.P @ np.swapaxes(self.F, 1, 2) / np.linalg.det(self.F)[:, None, None]
+        mean = np.trace(sigma, axis1=1, axis2=2) / 3.0
+        s = sigma - mean[:, None, None] * np.eye(3)
+        return np.sqrt(1.5 * np.einsum("nij,nij->n", s, s))
+
     def field(self, name: str) -> PointField:
-        """``p``, ``u``, ``v``, ``P``, ``F`` or ``J`` with the points it lives on."""
+        """``p``, ``u``, ``v``, ``P``, ``F``, ``J``, ``pressure``, ``von_mises`` and its points."""
         if name in ("p", "u", "v"):
             values = {"p": self.momentum, "u": self.displacement, "v": self.velocity}[name]
             return PointField(self.X, self.V, values)
-        if name in ("P", "F", "J"):
+        if name in ("P", "F", "J", "pressure", "von_mises"):
             return PointField(self.stress_X, self.stress_V, getattr(self, name))
-        raise InputError(f"snapshot has no field {name!r}; choose one of p, u, v, P, F, J")
+        raise InputError(
+            f"snapshot has no field {name!r}; choose one of p, u, v, P, F, J, pressure, von_mises"
+        )
+
+    def at_vertices(self, name: str) -> Array:
+        """A field at the primary points ``(N, ...)``; cell values are averaged by volume."""
+        found = self.field(name)
+        if len(found.X) == len(self.X):
+            return found.values
+        cells = self.mesh.cells
+        total = np.zeros((len(self.X), *found.values.shape[1:]))
+        weight = np.zeros(len(self.X))
+        share = found.V.reshape(-1, *[1] * (found.values.ndim - 1)) * found.values
+        for corner in cells.T:
+            np.add.at(total, corner, share)
+            np.add.at(weight, corner, found.V)
+        return np.asarray(total / weight.reshape(-1, *[1] * (total.ndim - 1)))

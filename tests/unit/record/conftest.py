@@ -5,9 +5,13 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from sphsolid.continuum import NeoHookean
 from sphsolid.errors import Diverged
 from sphsolid.record import Snapshot
 from sphsolid.scenes import swinging_cube
+from sphsolid.scenes.hex_mesh import HexMesh
+
+NO_MESH = HexMesh(np.zeros((0, 3)), np.zeros((0, 8), dtype=np.int64), {}, 1.0, True)
 
 
 def snapshot_of(X, V, velocity, *, x=None, time=0.0, step=0, density=2.0, P=None, energy=0.0):
@@ -16,7 +20,8 @@ def snapshot_of(X, V, velocity, *, x=None, time=0.0, step=0, density=2.0, P=None
     return Snapshot(
         time=time,
         step=step,
-        density=density,
+        material=NeoHookean(mu=1.0, kappa=2.0, density=density),
+        mesh=NO_MESH,
         X=X,
         V=V,
         x=X.copy() if x is None else x,
