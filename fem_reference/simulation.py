@@ -9,16 +9,19 @@ from collections.abc import Callable, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from fem_reference.account import Account, NoAccount
 from fem_reference.b_bar_hex import BBarHex
-from fem_reference.central_difference import EssentialConditions, central_difference_step
+from fem_reference.central_difference import central_difference_step
 from fem_reference.element import Element
+from fem_reference.essential import EssentialConditions
 from fem_reference.loads import loads_of, nodal_force
 from fem_reference.mesh import scikit_fem_mesh
 from sphsolid.compiled import threads
 from sphsolid.continuum import reference_p_wave_speed
 from sphsolid.errors import Diverged, InputError, require
 from sphsolid.record import History, Progress, Snapshot, march
-from sphsolid.record.recorders import Recorder
+from sphsolid.record.balance import Balance, MomentumWatch, NotTracked, total_momentum
+from sphsolid.record.recorders import Recorder, asks_for_balance
 from sphsolid.scenes.scene import Scene
 
 Array = NDArray[np.float64]
@@ -61,6 +64,10 @@ class Simulation:
         self._wave_speed = reference_p_wave_speed(scene.material)
         self._wall_time = 0.0
         self._smallest_dt = math.inf
+        self._account: Account | NoAccount = NoAccount()
+        self._watch = MomentumWatch(np.zeros((2, 3)))
+        self._reaction_force = np.zeros((len(self._essential.nodes), 3))
+        self._start_energy = 0.0
 
         displacement, velocity = scene.initial_state(self._mesh.vertices)
         self._x = self._mesh.vertices + displacement
@@ -104,8 +111,13 @@ class Simulation:
             dt=dt,
             accelerate=self._accelerate,
             essential=self._essential,
+            account=self._account,
         )
         self._wall_time += time.perf_counter() - start
+        if isinstance(self._account, Account):
+            # Each half step imposes once: twice the impulse over dt is the mean force.
+            self._reaction_force = 2.0 / dt * self._account.last_reaction
+            self._watch.step(self._momentum(), self._account.impulse)
         self.time += dt
         self.step += 1
         self._smallest_dt = min(self._smallest_dt, dt)
@@ -130,6 +142,35 @@ class Simulation:
             J=stress.J,
             P=stress.P,
             strain_energy=self._elements.strain_energy(self._x),
+            balance=self._balance(),
+        )
+
+    def track_balance(self) -> None:
+        """Account for energy and momentum from now on."""
+        if isinstance(self._account, Account):
+            return
+        self._account = Account(self._loads, self._mass, self._essential)
+        self._watch = MomentumWatch(self._momentum())
+        start = self.snapshot()
+        self._start_energy = start.kinetic_energy + start.strain_energy
+
+    def _momentum(self) -> Array:
+        return total_momentum(self._V, self.scene.material.density, self._x, self._v)
+
+    def _balance(self) -> Balance | NotTracked:
+        account = self._account
+        if not isinstance(account, Account):
+            return NotTracked()
+        return Balance(
+            start_energy=self._start_energy,
+            works=dict(account.works),
+            start_momentum=self._watch.start,
+            momentum=self._watch.now,
+            impulse=account.impulse,
+            traction_impulse=account.impulses["traction"].copy(),
+            largest_step_drift=self._watch.largest_step_drift,
+            reaction_impulse=self._essential.by_face(account.reaction),
+            reaction_force=self._essential.by_face(self._reaction_force),
         )
 
     def run(
@@ -141,6 +182,8 @@ class Simulation:
         progress: Callable[[Progress], None] | None = None,
     ) -> History:
         """Advance to ``until`` [s] recording every ``every`` [s]; see ``sphsolid.record.march``."""
+        if asks_for_balance(record):
+            self.track_balance()
         return march(self, until=until, every=every, record=record, progress=progress)
 
     def plan(self) -> str:

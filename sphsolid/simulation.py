@@ -16,13 +16,15 @@ from sphsolid.continuum import law
 from sphsolid.continuum.tensor import cofactor, determinant, join, split
 from sphsolid.continuum.wave_speed import reference_p_wave_speed
 from sphsolid.errors import InputError
+from sphsolid.record.balance import Balance, MomentumWatch, NotTracked, total_momentum
 from sphsolid.record.march import History, Progress, march
-from sphsolid.record.recorders import Recorder
+from sphsolid.record.recorders import Recorder, asks_for_balance
 from sphsolid.record.snapshot import Snapshot
 from sphsolid.scenes.scene import FromGeometry, Scene
 from sphsolid.scheme.boundary import EssentialConditions, Loads
 from sphsolid.scheme.formulation import PF, Formulation
 from sphsolid.scheme.initial_strain import Compatible, Given, InitialStrain
+from sphsolid.scheme.power import TERMS, Account
 from sphsolid.scheme.projection import (
     AngularMomentumTreatment,
     LocalProjection,
@@ -123,6 +125,8 @@ class Simulation:
             wave_speed=reference_p_wave_speed(scene.material),
             size=self.cloud.size,
         )
+        self._watch = MomentumWatch(np.zeros((2, 3)))
+        self._start_energy = 0.0
         self.time = 0.0
         self.step = 0
         self.setup_seconds = clock.perf_counter() - started
@@ -195,6 +199,40 @@ class Simulation:
         self._stepper.advance(dt, self.time)
         self.time += dt
         self.step += 1
+        account = self._stepper.account
+        if isinstance(account, Account):
+            self._watch.step(self._momentum(), account.impulse)
+
+    def track_balance(self) -> None:
+        """Account for energy and momentum from now on: about a third more time a step."""
+        if isinstance(self._stepper.account, Account):
+            return
+        self._stepper.account = Account(self._rhs)
+        self._watch = MomentumWatch(self._momentum())
+        start = self.snapshot()
+        self._start_energy = start.kinetic_energy + start.strain_energy
+
+    def _momentum(self) -> np.ndarray:
+        s, density = self.state, self.scene.material.density
+        return total_momentum(self.cloud.V, density, s.x, s.p / density)
+
+    def _balance(self) -> Balance | NotTracked:
+        account = self._stepper.account
+        if not isinstance(account, Account):
+            return NotTracked()
+        essential = self._rhs.essential
+        force = self.cloud.V[essential.particles, None] * self._rhs.reaction
+        return Balance(
+            start_energy=self._start_energy,
+            works=dict(zip(TERMS, account.works.tolist(), strict=True)),
+            start_momentum=self._watch.start,
+            momentum=self._watch.now,
+            impulse=account.impulse,
+            traction_impulse=account.traction.copy(),
+            largest_step_drift=self._watch.largest_step_drift,
+            reaction_impulse=essential.by_face(account.reaction),
+            reaction_force=essential.by_face(force),
+        )
 
     def run(
         self,
@@ -206,6 +244,8 @@ class Simulation:
     ) -> History:
         """Advance to ``until`` [s] and record every ``every`` [s]; see ``record.march``."""
         started = clock.perf_counter()
+        if asks_for_balance(record):
+            self.track_balance()
         try:
             return march(self, until=until, every=every, record=record, progress=progress)
         finally:
@@ -233,6 +273,7 @@ class Simulation:
             J=np.array(J, copy=True),
             P=join(law.first_piola(material, F, H, J)),
             strain_energy=float(np.sum(self.cloud.V * density)),
+            balance=self._balance(),
         )
 
     def plan(self) -> str:

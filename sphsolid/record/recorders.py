@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -22,6 +23,11 @@ class Recorder(Protocol):
     def record(self, snapshot: Snapshot, scene: Scene) -> dict[str, float]:
         """Column names with units in brackets, and their values now."""
         ...
+
+
+def asks_for_balance(recorders: Sequence[Recorder]) -> bool:
+    """True when a recorder has a true ``needs_balance``: the solver then keeps an account."""
+    return any(getattr(recorder, "needs_balance", False) for recorder in recorders)
 
 
 @dataclass(frozen=True)

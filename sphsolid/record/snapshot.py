@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sphsolid.errors import InputError
+from sphsolid.record.balance import NOT_TRACKED, Balance, NotTracked
 from sphsolid.scenes.hex_mesh import HexMesh
 
 Array = NDArray[np.float64]
@@ -37,6 +38,7 @@ class Snapshot:
     element method (its superconvergent points).  ``strain_energy`` [J], zero in the undeformed
     state, and ``kinetic_energy`` [J] are totals with the method's own quadrature;
     ``volumetric_energy`` [J] is the part ``sum V kappa/2 (J - 1)^2`` of the strain energy.
+    ``balance`` says where energy and momentum went, when a recorder asked for it.
     """
 
     time: float
@@ -53,6 +55,7 @@ class Snapshot:
     J: Array
     P: Array
     strain_energy: float
+    balance: Balance | NotTracked = NOT_TRACKED
 
     @property
     def density(self) -> float:

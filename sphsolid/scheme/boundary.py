@@ -16,6 +16,16 @@ Array = NDArray[np.float64]
 
 
 @kernel
+def _reaction(particles, free, rate, out):  # type: ignore[no-untyped-def]
+    for n in prange(len(particles)):
+        a = particles[n]
+        r0, r1, r2 = rate[a, 0], rate[a, 1], rate[a, 2]
+        for i in range(3):
+            kept = free[n, i, 0] * r0 + free[n, i, 1] * r1 + free[n, i, 2] * r2
+            out[n, i] = kept - rate[a, i]
+
+
+@kernel
 def _keep_free(particles, free, rate):  # type: ignore[no-untyped-def]
     for n in prange(len(particles)):
         a = particles[n]
@@ -81,6 +91,8 @@ class EssentialConditions:
         self._moving = [
             (part, cloud.X[part.particles]) for part in parts if not part.is_fixed
         ]
+        faces = [constraint.face for constraint in scene.constraints]
+        self._parts = list(zip(faces, parts, strict=True))
         constrained = [part.particles for part in parts]
         self.particles = np.unique(np.concatenate(constrained)) if parts else np.zeros(0, np.int64)
         taken = np.zeros((cloud.size, 3, 3))
@@ -96,6 +108,20 @@ class EssentialConditions:
         for part, X in self._moving:
             v = part.velocity(X, t)
             p[part.particles] += self._density * np.einsum("nij,nj->ni", part.projector, v)
+
+    def by_face(self, reaction: Array) -> dict[str, Array]:
+        """Sum over a constrained face of its share of ``reaction (n, 3)`` at ``particles``."""
+        sums: dict[str, Array] = {}
+        for face, part in self._parts:
+            rows = np.searchsorted(self.particles, part.particles)
+            share = np.einsum("nij,nj->i", part.projector, reaction[rows])
+            sums[face] = sums.get(face, np.zeros(3)) + share
+        return sums
+
+    def reaction(self, rate: Array, out: Array) -> None:
+        """``out (n, 3)``: what :meth:`release` will add to ``rate`` at ``particles (n,)``."""
+        if len(self.particles):
+            _reaction(self.particles, self._free, rate, out)
 
     def release(self, rate: Array) -> None:
         """Zero the constrained components of a rate ``(N, 3)``."""

@@ -51,7 +51,12 @@ class State:
 
 
 class RightHandSide:
-    """Rates of every evolved field at one stage."""
+    """Rates of every evolved field at one stage.
+
+    After :meth:`evaluate` the terms are still there: ``P (N, 3, 3)`` the (projected) stress,
+    ``P_fine (M, 3, 3)`` and ``flux (M, 3)`` at the secondary particles, ``reaction (n, 3)`` [N/m^3]
+    what the constraints added to the rate of ``p`` at the constrained particles.
+    """
 
     def __init__(
         self,
@@ -82,15 +87,16 @@ class RightHandSide:
             J=np.zeros(n if f.evolves_J else 0),
         )
         self.P = np.zeros((n, 3, 3))
+        self.reaction = np.zeros((len(essential.particles), 3))
         self.F_x = np.zeros((n, 3, 3))
         m = 0 if secondary is None else len(secondary.X)
         self._S = np.zeros((n if m else 0, 3, 3))
         self._v = np.zeros((n if m else 0, 3))
-        self._P_fine = np.zeros((m, 3, 3))
+        self.P_fine = np.zeros((m, 3, 3))
         self._F_x_q = np.zeros((m, 3, 3))
         has_tau_p = isinstance(stabilisation, SUPG) and stabilisation.tau_p > 0.0
         self._inertia = np.zeros((n if has_tau_p else 0, 3))
-        self._flux = np.zeros((m if has_tau_p else 0, 3))
+        self.flux = np.zeros((m if has_tau_p else 0, 3))
 
     def set_geometry(self, x: Array) -> None:
         """Take ``F_x = sum_b x_b (x) G_b`` with the gradient whose adjoint makes the force.
@@ -135,6 +141,7 @@ class RightHandSide:
             rates.p += self.loads.at(t)[0]
         if isinstance(self.stabilisation, SUPG):
             self._stabilise(self.stabilisation, state, geometry, dt, t)
+        self.essential.reaction(rates.p, self.reaction)
         self.essential.release(rates.p)
         return rates
 
@@ -153,13 +160,13 @@ class RightHandSide:
                 self._inertia -= self.loads.at(t)[1]
             pressure.momentum_residual(
                 q.pairs.indptr, q.pairs.indices, q.sample, supg.tau_p * dt / rho,
-                self.P, self._inertia, self._F_x_q, self._flux,
+                self.P, self._inertia, self._F_x_q, self.flux,
             )  # fmt: skip
             pressure.volume_dissipation(
-                q.spread_pairs.indptr, q.spread_pairs.indices, q.spread, self._flux, rates.J
+                q.spread_pairs.indptr, q.spread_pairs.indices, q.spread, self.flux, rates.J
             )
         fine_scale.momentum_dissipation(
-            q.spread_pairs.indptr, q.spread_pairs.indices, q.spread, self._P_fine, rates.p
+            q.spread_pairs.indptr, q.spread_pairs.indices, q.spread, self.P_fine, rates.p
         )
 
     def _fine_stress(self, supg: SUPG, state: State, geometry: Array, dt: float) -> None:
@@ -172,7 +179,7 @@ class RightHandSide:
             galerkin.combine(tau * gamma, supg.xi_F * alpha, rates.F, state.F, self._S)
             fine_scale.simplified(
                 q.pairs.indptr, q.pairs.indices, q.sample, tau * gamma, supg.xi_F * alpha,
-                self.projects, self._v, geometry, self._S, self._P_fine, self._F_x_q,
+                self.projects, self._v, geometry, self._S, self.P_fine, self._F_x_q,
             )  # fmt: skip
             return
         taus = np.array([supg.tau_F, form.tau_H, form.tau_J]) * dt
@@ -187,5 +194,5 @@ class RightHandSide:
             q.pairs.indptr, q.pairs.indices, q.sample, self.material,
             isinstance(form, StabilisedStrains), taus, xis, alpha, self.projects,
             f.evolves_H, f.evolves_J, self._v, geometry, state.F, state.H, state.J,
-            rates.F, rates.H, rates.J, self._P_fine, self._F_x_q,
+            rates.F, rates.H, rates.J, self.P_fine, self._F_x_q,
         )  # fmt: skip

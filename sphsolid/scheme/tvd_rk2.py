@@ -17,6 +17,7 @@ import numpy as np
 
 from sphsolid.compiled import kernel, prange
 from sphsolid.scheme.boundary import EssentialConditions
+from sphsolid.scheme.power import Account, NoAccount
 from sphsolid.scheme.right_hand_side import RightHandSide, State
 
 
@@ -54,7 +55,7 @@ class TVDRK2:
 
 
 class TVDRK2Stepper:
-    """Advances one state in place."""
+    """Advances one state in place; ``account`` is told of every stage."""
 
     def __init__(
         self, rhs: RightHandSide, state: State, essential: EssentialConditions
@@ -62,6 +63,7 @@ class TVDRK2Stepper:
         self.rhs = rhs
         self.state = state
         self.essential = essential
+        self.account: Account | NoAccount = NoAccount()
         fields = state.evolved(rhs.formulation)
         rates = rhs.rates.evolved(rhs.formulation)
         # Flat views: the stage formulas are the same for every field.
@@ -76,9 +78,11 @@ class TVDRK2Stepper:
         flat_x = state.x.reshape(-1)
 
         rhs.evaluate(state, state.x, dt, t)
+        self.account.stage(state, state.x, 0.5 * dt, t)
         for field, rate, saved in zip(self._fields, self._rates, self._saved, strict=True):
             _first_stage(dt, field, rate, saved)
-        self.essential.impose(state.p, t + dt)
+        # Half of a jump made here is averaged away: p^{n+1} = (p^n + p**) / 2.
+        self.account.impose(self.essential, state, t + dt, 0.5)
 
         if not rhs.formulation.evolves_F:
             x_star = self._x_star
@@ -90,8 +94,9 @@ class TVDRK2Stepper:
         rhs.set_geometry(state.x)
 
         rhs.evaluate(state, state.x, dt, t + dt)
+        self.account.stage(state, state.x, 0.5 * dt, t + dt)
         for field, rate, saved in zip(self._fields, self._rates, self._saved, strict=True):
             _second_stage(dt, saved, rate, field)
-        self.essential.impose(state.p, t + dt)
+        self.account.impose(self.essential, state, t + dt, 1.0)
         if not rhs.formulation.evolves_F:
             rhs.kinematic_gradient(state.x, 1.0, state.F)

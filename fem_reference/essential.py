@@ -1,0 +1,71 @@
+"""Essential conditions of a mesh: prescribed velocity components."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sphsolid.scenes.constraint import Constraint, EssentialPart, essential_parts
+from sphsolid.scenes.hex_mesh import HexMesh
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class EssentialConditions:
+    """All constraints of a mesh: ``v_a <- (I - Q_a) v_a + Q_a v_prescribed(X_a, t)``.
+
+    ``nodes (n,)`` are the constrained nodes, ``free (n, 3, 3)`` their ``I - Q_a``; ``driven``
+    pairs each constraint that moves with its rows among ``nodes``, ``parts`` every constraint with
+    the face it is on; ``X (N, 3)`` [m].
+    """
+
+    nodes: NDArray[np.int64]
+    free: Array
+    driven: tuple[tuple[NDArray[np.int64], EssentialPart], ...]
+    parts: tuple[tuple[str, EssentialPart], ...]
+    X: Array
+
+    @classmethod
+    def of(cls, constraints: tuple[Constraint, ...], mesh: HexMesh) -> EssentialConditions:
+        """Collect ``constraints`` on ``mesh``; raises ``InputError`` for an unknown tag."""
+        parts = essential_parts(constraints, mesh)
+        free = np.tile(np.eye(3), (len(mesh.vertices), 1, 1))
+        constrained = np.zeros(len(mesh.vertices), dtype=bool)
+        for part in parts:
+            free[part.particles] -= part.projector
+            constrained[part.particles] = True
+        nodes = np.flatnonzero(constrained)
+        driven = tuple(
+            (np.searchsorted(nodes, part.particles), part) for part in parts if not part.is_fixed
+        )
+        faces = [constraint.face for constraint in constraints]
+        named = tuple(zip(faces, parts, strict=True))
+        return cls(nodes, free[nodes], driven, named, mesh.vertices)
+
+    @property
+    def nbytes(self) -> int:
+        """Memory of the arrays held."""
+        return self.nodes.nbytes + self.free.nbytes
+
+    def apply(self, velocity: Array, t: float) -> None:
+        """Overwrite the constrained components of ``velocity (N, 3)`` [m/s] at time ``t``."""
+        if len(self.nodes) == 0:
+            return
+        value = np.einsum("nij,nj->ni", self.free, velocity[self.nodes])
+        for rows, part in self.driven:
+            prescribed = part.velocity(self.X[part.particles], t)
+            # Projectors of different parts are orthogonal, so their sum is the whole condition.
+            value[rows] += np.einsum("nij,nj->ni", part.projector, prescribed)
+        velocity[self.nodes] = value
+
+    def by_face(self, reaction: Array) -> dict[str, Array]:
+        """Sum over a constrained face of its share of ``reaction (n, 3)`` at ``nodes``."""
+        sums: dict[str, Array] = {}
+        for face, part in self.parts:
+            rows = np.searchsorted(self.nodes, part.particles)
+            share = np.einsum("nij,nj->i", part.projector, reaction[rows])
+            sums[face] = sums.get(face, np.zeros(3)) + share
+        return sums

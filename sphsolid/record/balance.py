@@ -1,0 +1,81 @@
+"""Where energy and momentum went since a run began, as either solver accounts for it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+#: Works a method may report; those it does not have are zero.
+WORKS = (
+    "traction", "body_force", "constraint", "projection", "adjoint_defect",
+    "dissipation_p", "dissipation_J",
+)  # fmt: skip
+
+
+@dataclass(frozen=True)
+class NotTracked:
+    """The run keeps no account: no recorder asked for one."""
+
+
+NOT_TRACKED = NotTracked()
+
+
+@dataclass(frozen=True)
+class Balance:
+    """Totals since the account was opened.
+
+    ``start_energy`` [J] kinetic and strain energy then; ``works`` [J] by name (:data:`WORKS`), a
+    dissipation being negative; ``start_momentum, momentum, impulse (2, 3)``: linear [kg m/s] and
+    angular [kg m^2/s] about the origin, then, now, and what loads and constraints gave;
+    ``traction_impulse (2, 3)`` the part of the tractions; ``largest_step_drift (2,)`` the largest
+    norm by which one step missed its impulse; ``reaction_impulse`` [N s] and ``reaction_force``
+    [N] ``(3,)`` on the body by constrained face, the force at the last stage taken.
+    """
+
+    start_energy: float
+    works: dict[str, float]
+    start_momentum: Array
+    momentum: Array
+    impulse: Array
+    traction_impulse: Array
+    largest_step_drift: Array
+    reaction_impulse: dict[str, Array]
+    reaction_force: dict[str, Array]
+
+    @property
+    def drift(self) -> Array:
+        """``(2, 3)``: momentum now, less that at the start, less the impulse."""
+        return self.momentum - self.start_momentum - self.impulse
+
+
+class MomentumWatch:
+    """Compares, step by step, the change of momentum with the impulse that was applied."""
+
+    def __init__(self, momentum: Array) -> None:
+        self.start = momentum.copy()
+        self.now = momentum.copy()
+        self.impulse = np.zeros((2, 3))
+        self.largest_step_drift = np.zeros(2)
+
+    def step(self, momentum: Array, impulse: Array) -> None:
+        """``momentum (2, 3)`` after a step, ``impulse (2, 3)`` since the start."""
+        missed = (momentum - self.now) - (impulse - self.impulse)
+        size = np.linalg.norm(missed, axis=1)
+        self.largest_step_drift = np.maximum(self.largest_step_drift, size)
+        self.now, self.impulse = momentum.copy(), impulse.copy()
+
+    def arrays(self) -> dict[str, Array]:
+        """The running totals, for a checkpoint."""
+        return {
+            "start": self.start, "now": self.now, "impulse": self.impulse,
+            "largest_step_drift": self.largest_step_drift,
+        }  # fmt: skip
+
+
+def total_momentum(V: Array, density: float, x: Array, velocity: Array) -> Array:
+    """``(2, 3)``: linear ``sum V p`` and angular ``sum V x cross p`` about the origin."""
+    weighted = (density * V)[:, None] * velocity
+    return np.stack([weighted.sum(axis=0), np.cross(x, weighted).sum(axis=0)])
