@@ -2,18 +2,15 @@
 
 from __future__ import annotations
 
-import math
 import time
 from typing import Any
 
-import numpy as np
-
 import sphsolid as sph
 from sphsolid.cloud import SmoothingFunction
-from sphsolid.record import Snapshot
 from sphsolid.scenes import swinging_cube, twisting_column
 from sphsolid.scheme import InitialStrain
 from studies.convergence_cases import LINEAR_AMPLITUDE, period_errors_of
+from studies.indicators import pressure_range, twist_of_top, whole_turns
 
 SMOOTHING: dict[str, SmoothingFunction] = {
     "cubic spline": sph.CubicSpline(),
@@ -73,15 +70,6 @@ def cube(*, variant: str, family: str, cells: int, **options: Any) -> list[dict[
     ]  # fmt: skip
 
 
-def twist_of_top(snapshot: Snapshot) -> float:
-    """Best-fit rotation [rad] about Y of the particles on the top face, in (-pi, pi]."""
-    top = np.isclose(snapshot.X[:, 1], np.max(snapshot.X[:, 1]))
-    before = snapshot.X[top][:, [0, 2]] @ [1.0, 1.0j]
-    now = snapshot.x[top] - snapshot.x[top].mean(axis=0)
-    after = now[:, [0, 2]] @ [1.0, 1.0j]
-    return float(np.angle(np.sum(after * np.conj(before))))
-
-
 def column(*, variant: str, cells: int, **options: Any) -> list[dict[str, Any]]:
     """Twist and energy of {p,F,J} SUPG-SPH-H1 on the twisting column at 0.1 s.
 
@@ -95,17 +83,14 @@ def column(*, variant: str, cells: int, **options: Any) -> list[dict[str, Any]]:
     )
     start = sim.snapshot()
     energy_0 = start.kinetic_energy + start.strain_energy
-    twist = last = 0.0
+    twist = 0.0
     for k in range(1, 51):
         sim.run(until=0.002 * k)
         angle = twist_of_top(sim.snapshot())
         # The top turns by less than half a turn between two instants, so the jump tells the turns.
-        turn = angle - last
-        twist += turn - 2.0 * math.pi * round(turn / (2.0 * math.pi))
-        last = angle
+        twist = whole_turns(angle, twist)
     end = sim.snapshot()
-    pressure = scene.material.kappa * (end.J - 1.0)
-    low, high = np.percentile(pressure, [1.0, 99.0])
+    low, high = pressure_range(end)
     return [
         {
             "scene": "column",
