@@ -3,6 +3,7 @@
 from sphsolid.scheme.formulation import PF, PFHJ, PFJ, PJ, Displacement, Formulation
 from sphsolid.scheme.initial_strain import Compatible, Given, InitialStrain
 from sphsolid.scheme.projection import LocalProjection, NoProjection
+from sphsolid.scheme.ssp_rk3 import SSPRK3
 from sphsolid.scheme.stabilisation import (
     SUPG,
     FullHessian,
@@ -19,6 +20,7 @@ __all__ = [
     "PFJ",
     "PJ",
     "SUPG",
+    "SSPRK3",
     "TVDRK2",
     "Compatible",
     "Displacement",

@@ -1,0 +1,71 @@
+"""Array formulas of the Runge-Kutta stages, on flat views: the same for every field."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sphsolid.compiled import kernel, prange
+from sphsolid.scheme.formulation import Formulation
+from sphsolid.scheme.right_hand_side import State
+
+Array = NDArray[np.float64]
+
+
+@kernel
+def _first(dt, U, rate, saved):  # type: ignore[no-untyped-def]
+    for i in prange(len(U)):
+        saved[i] = U[i]
+        U[i] = U[i] + dt * rate[i]
+
+
+@kernel
+def _convex(share, dt, saved, rate, U):  # type: ignore[no-untyped-def]
+    other = 1.0 - share
+    for i in prange(len(U)):
+        U[i] = share * saved[i] + other * (U[i] + dt * rate[i])
+
+
+@kernel
+def _combine(x, factor, weights, p_0, p_1, out):  # type: ignore[no-untyped-def]
+    w_0, w_1 = factor * weights[0], factor * weights[1]
+    for i in prange(len(x)):
+        out[i] = x[i] + (w_0 * p_0[i] + w_1 * p_1[i])
+
+
+def moved(
+    x: Array, factor: float, weights: tuple[float, float], p_0: Array, p_1: Array, out: Array
+) -> None:
+    """``out = x + factor (w_0 p_0 + w_1 p_1)  (N, 3)``; ``out`` may be ``x``."""
+    flat = (array.reshape(-1) for array in (p_0, p_1, out))
+    _combine(x.reshape(-1), factor, weights, *flat)
+
+
+@dataclass(frozen=True)
+class Stages:
+    """All evolved fields but ``x``, their rates, and their values at the start of the step."""
+
+    fields: list[Array]
+    rates: list[Array]
+    saved: list[Array]
+    p_start: Array
+
+    @classmethod
+    def of(cls, state: State, rates: State, formulation: Formulation) -> Stages:
+        """Views of ``state`` and ``rates``, and room for the start of a step."""
+        fields = [field.reshape(-1) for field in state.evolved(formulation)]
+        saved = [np.empty_like(field) for field in fields]
+        flat = [rate.reshape(-1) for rate in rates.evolved(formulation)]
+        return cls(fields, flat, saved, saved[0].reshape(-1, 3))
+
+    def first(self, dt: float) -> None:
+        """``U = U^n + dt R``, keeping ``U^n``."""
+        for field, rate, saved in zip(self.fields, self.rates, self.saved, strict=True):
+            _first(dt, field, rate, saved)
+
+    def convex(self, share: float, dt: float) -> None:
+        """``U = share U^n + (1 - share) (U + dt R)``."""
+        for field, rate, saved in zip(self.fields, self.rates, self.saved, strict=True):
+            _convex(share, dt, saved, rate, field)
