@@ -1,21 +1,38 @@
 """Problem statements: one benchmark a file, read by both solvers."""
 
-from sphsolid.scenes.body import Box
+from sphsolid.scenes.bending_column import bending_column
+from sphsolid.scenes.body import Blocks, Box, Region, Tagged
+from sphsolid.scenes.cable import Pulse, Step, cable
 from sphsolid.scenes.constraint import Constraint, Fixed
+from sphsolid.scenes.l_shaped_block import l_shaped_block
+from sphsolid.scenes.punch import HeldVelocity, InitialVelocity, punch
 from sphsolid.scenes.scene import FromGeometry, NoBodyForce, NoExactSolution, Scene, Traction
+from sphsolid.scenes.spinning_cube import spinning_cube
 from sphsolid.scenes.swinging_cube import amplitude_of_gradient, swinging_cube
 from sphsolid.scenes.twisting_column import twisting_column
 
 __all__ = [
+    "Blocks",
     "Box",
     "Constraint",
     "Fixed",
     "FromGeometry",
+    "HeldVelocity",
+    "InitialVelocity",
     "NoBodyForce",
     "NoExactSolution",
+    "Pulse",
+    "Region",
     "Scene",
+    "Step",
+    "Tagged",
     "Traction",
     "amplitude_of_gradient",
+    "bending_column",
+    "cable",
+    "l_shaped_block",
+    "punch",
+    "spinning_cube",
     "swinging_cube",
     "twisting_column",
 ]

@@ -7,7 +7,8 @@ import pytest
 
 from sphsolid.errors import InputError
 from sphsolid.scenes import Box
-from sphsolid.scenes.hex_mesh import CORNERS, box_mesh
+from sphsolid.scenes.grid_mesh import box_mesh
+from sphsolid.scenes.hex_mesh import CORNERS
 
 LOW, HIGH = (-1.0, 0.0, 2.0), (1.0, 0.5, 2.3)
 NORMALS = {

@@ -1,0 +1,195 @@
+"""Hexahedra on a structured grid of which some cells are kept: boxes and unions of boxes.
+
+A grid has planes along each axis; wherever the outline of a body has an edge there is a plane, so
+that the mesh fills the body exactly.  Disorder moves vertices within what they lie on (body, face,
+edge), so the body, its faces and its volume stay exact too.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sphsolid.errors import InputError, require
+from sphsolid.scenes.hex_mesh import CORNERS, HexMesh
+
+Array = NDArray[np.float64]
+Triple = tuple[float, float, float]
+#: A box by its lower and upper corner [m].
+Block = tuple[Triple, Triple]
+
+
+@dataclass(frozen=True)
+class GridAxis:
+    """Planes of a grid along one axis: ``planes (n + 1,)`` [m], cell edges ``steps (n,)`` [m]."""
+
+    planes: Array
+    steps: Array
+
+    @classmethod
+    def through(cls, breaks: list[float], edge: float) -> GridAxis:
+        """Planes through all ``breaks`` (ascending), cells of about ``edge`` [m] between them.
+
+        Every interval is cut into ``round(length / edge)`` equal cells, at least one.
+        """
+        planes, steps = [np.array(breaks[:1])], []
+        for low, high in pairwise(breaks):
+            count = max(1, int(np.rint((high - low) / edge)))
+            planes.append(np.linspace(low, high, count + 1)[1:])
+            steps.append(np.full(count, (high - low) / count))
+        return cls(np.concatenate(planes), np.concatenate(steps))
+
+    @property
+    def is_uniform(self) -> bool:
+        """True when all cells are equally long, up to rounding."""
+        return bool(np.ptp(self.steps) <= 1.0e-12 * self.steps[0])
+
+    @property
+    def room(self) -> Array:
+        """Shortest cell edge that ends at each plane ``(n + 1,)`` [m]."""
+        return np.minimum(np.r_[self.steps[0], self.steps], np.r_[self.steps, self.steps[-1]])
+
+
+def grid_mesh(
+    axes: tuple[GridAxis, GridAxis, GridAxis],
+    keep: NDArray[np.bool_],
+    jitter: float = 0.0,
+    seed: int = 0,
+) -> HexMesh:
+    """The cells of a grid where ``keep (nx, ny, nz)``; vertices that no cell uses are left out.
+
+    Tags: ``X- X+ Y- Y+ Z- Z+`` on the outermost planes; a face whose outward normal is ``+X`` on
+    an inner plane ``X = 3`` is ``X+@3``.  ``jitter`` moves inner vertices, and boundary vertices
+    within their face or edge, by a uniform random offset of at most ``jitter / 2`` of the shorter
+    of the cell edges that meet there, per component.  Raises ``InputError`` for a jitter outside
+    [0, 0.9].
+    """
+    require(0.0 <= jitter <= 0.9, f"jitter = {jitter} is outside [0, 0.9] of the spacing")
+    grid = np.stack(
+        np.meshgrid(*(axis.planes for axis in axes), indexing="ij"), axis=-1
+    ).reshape(-1, 3)
+    number = np.arange(len(grid)).reshape([len(axis.planes) for axis in axes])
+    nx, ny, nz = keep.shape
+    corner = [number[i : i + nx, j : j + ny, k : k + nz][keep] for i, j, k in CORNERS]
+    cells = np.stack(corner, axis=1)
+
+    faces: dict[str, NDArray[np.int64]] = {}
+    on_face = np.zeros(grid.shape, dtype=bool)
+    for axis in range(3):
+        for name, quads in _faces_across(axis, axes[axis].planes, keep, number):
+            faces[name] = quads
+            on_face[quads, axis] = True
+    vertices = grid
+    if jitter > 0.0:
+        room = np.stack(
+            np.meshgrid(*(axis.room for axis in axes), indexing="ij"), axis=-1
+        ).reshape(-1, 3)
+        offset = np.random.default_rng(seed).uniform(-0.5, 0.5, grid.shape) * jitter * room
+        vertices = grid + np.where(on_face, 0.0, offset)
+
+    used = np.unique(cells)
+    place = np.full(len(grid), -1)
+    place[used] = np.arange(len(used))
+    # Every interval has its own whole number of cells; the smallest edge limits the step.
+    edge = float(min(np.min(axis.steps) for axis in axes))
+    return HexMesh(
+        vertices[used],
+        place[cells],
+        {name: place[quads] for name, quads in faces.items()},
+        edge,
+        is_lattice=jitter == 0.0 and all(axis.is_uniform for axis in axes),
+    )
+
+
+def _faces_across(
+    axis: int, planes: Array, keep: NDArray[np.bool_], number: NDArray[np.int64]
+) -> list[tuple[str, NDArray[np.int64]]]:
+    """Named outward quadrilaterals between a kept cell and none, normal to ``axis``."""
+    inside = np.moveaxis(keep, axis, 0)
+    plane_numbers = np.moveaxis(number, axis, 0)
+    nowhere = np.zeros_like(inside[:1])
+    below = np.concatenate([nowhere, inside])
+    above = np.concatenate([inside, nowhere])
+    found = []
+    for side, exposed in (("-", above & ~below), ("+", below & ~above)):
+        for plane in np.flatnonzero(exposed.any(axis=(1, 2))):
+            a = plane_numbers[plane]
+            loop = [a[:-1, :-1], a[1:, :-1], a[1:, 1:], a[:-1, 1:]]
+            quads = np.stack([part[exposed[plane]] for part in loop], axis=1)
+            # The loops turn about +X, -Y, +Z: moveaxis leaves the other two axes in order.
+            if (side == "-") == (axis != 1):
+                quads = quads[:, ::-1].copy()
+            outermost = plane == (0 if side == "-" else len(planes) - 1)
+            name = f"{'XYZ'[axis]}{side}" + ("" if outermost else f"@{planes[plane]:.12g}")
+            found.append((name, quads))
+    return found
+
+
+def box_mesh(
+    lower: Triple,
+    upper: Triple,
+    spacing: float,
+    jitter: float = 0.0,
+    seed: int = 0,
+    aspect: Triple = (1.0, 1.0, 1.0),
+) -> HexMesh:
+    """Hexahedra filling a box; tags ``X- X+ Y- Y+ Z- Z+``.
+
+    Each edge is cut into ``round(length / (spacing aspect_d))`` equal cells (at least one); for
+    ``jitter`` see :func:`grid_mesh`.  Raises ``InputError`` for a non-positive spacing or aspect,
+    a jitter outside [0, 0.9] or a box without volume.
+    """
+    return block_mesh(((lower, upper),), spacing, jitter, seed, aspect)
+
+
+def block_mesh(
+    blocks: tuple[Block, ...],
+    spacing: float,
+    jitter: float = 0.0,
+    seed: int = 0,
+    aspect: Triple = (1.0, 1.0, 1.0),
+) -> HexMesh:
+    """Hexahedra filling the union of axis-aligned boxes, which may overlap.
+
+    All sides of the boxes are grid planes; see :func:`box_mesh` for the rounding between them and
+    :func:`grid_mesh` for tags, ``jitter`` and what is raised.
+    """
+    require(np.isfinite(spacing) and spacing > 0.0, f"spacing = {spacing} m must be positive")
+    require(
+        bool(np.all(np.isfinite(aspect))) and min(aspect) > 0.0,
+        f"aspect = {aspect} (edge of a cell along X, Y, Z over the spacing) must be positive",
+    )
+    breaks = block_breaks(blocks)
+    x, y, z = (GridAxis.through(breaks[d], spacing * aspect[d]) for d in range(3))
+    keep = covered(blocks, (x.planes, y.planes, z.planes))
+    return grid_mesh((x, y, z), keep, jitter, seed)
+
+
+def block_breaks(blocks: tuple[Block, ...]) -> list[list[float]]:
+    """Ascending coordinates [m] of all sides of the boxes, by axis; refuses a flat box."""
+    require(len(blocks) > 0, "a body needs at least one block")
+    for lower, upper in blocks:
+        if not (
+            len(lower) == len(upper) == 3
+            and np.all(np.isfinite([lower, upper]))
+            and np.all(np.greater(upper, lower))
+        ):
+            raise InputError(f"box upper {upper} must exceed lower {lower} in every axis")
+    return [
+        sorted({float(corner[d]) for block in blocks for corner in block}) for d in range(3)
+    ]
+
+
+def covered(
+    blocks: tuple[Block, ...], planes: tuple[Array, Array, Array]
+) -> NDArray[np.bool_]:
+    """Which cells ``(nx, ny, nz)`` between the planes have their centre in a block."""
+    centres = [0.5 * (p[:-1] + p[1:]) for p in planes]
+    keep = np.zeros([len(c) for c in centres], dtype=bool)
+    for lower, upper in blocks:
+        inside = [(lower[d] < c) & (c < upper[d]) for d, c in enumerate(centres)]
+        keep |= inside[0][:, None, None] & inside[1][:, None] & inside[2]
+    return keep
