@@ -50,7 +50,8 @@ class Account:
     ) -> None:
         self._loads = loads
         self._mass = mass
-        self.works = {"traction": 0.0, "body_force": 0.0, "constraint": 0.0}
+        # Arrays without axes: totals that a checkpoint can write over.
+        self.works = {name: np.zeros(()) for name in ("traction", "body_force", "constraint")}
         self.impulses = {name: np.zeros((2, 3)) for name in self.works}
         self.reaction = np.zeros((len(essential.nodes), 3))
         self.last_reaction = np.zeros_like(self.reaction)
@@ -64,8 +65,8 @@ class Account:
     def arrays(self) -> dict[str, Array]:
         """The running totals, for a checkpoint."""
         totals = {f"impulse_{name}": value for name, value in self.impulses.items()}
-        works = np.array(list(self.works.values()))
-        return totals | {"works": works, "reaction": self.reaction}
+        works = {f"work_{name}": value for name, value in self.works.items()}
+        return totals | works | {"reaction": self.reaction}
 
     def loads(self, x: Array, v_half: Array, half: float, t: float) -> None:
         """Add the loads of time ``t`` over ``half`` [s] of a step, at positions ``x (N, 3)``."""

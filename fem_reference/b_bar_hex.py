@@ -28,6 +28,7 @@ from fem_reference.assembly import NodeIncidence
 from fem_reference.b_bar_kernels import centroid_stresses, element_energies, element_forces
 from fem_reference.element import CentroidStress
 from fem_reference.hex_quadrature import HexQuadrature, hex_quadrature
+from sphsolid.continuum.wave_speed import THINNEST
 from sphsolid.scenes.hex_mesh import HexMesh
 
 Array = NDArray[np.float64]
@@ -105,10 +106,16 @@ class BBarHexElements:
         return float(np.min(self.quadrature.length * self._shrinkage))
 
     def invalid_element(self) -> int:
-        """First element with ``J <= 0`` or ``nan`` at a Gauss point of the last force, or -1."""
+        """First element that is lost at the last force, or -1.
+
+        Lost: ``J <= 0`` or ``nan`` at a Gauss point, or a stretch below ``THINNEST``.
+        """
         # argmin stops at the first nan, and a comparison with nan is False.
         worst = int(np.argmin(self._smallest_jacobian))
-        return -1 if self._smallest_jacobian[worst] > 0.0 else worst
+        if not self._smallest_jacobian[worst] > 0.0:
+            return worst
+        thin = int(np.argmin(self._shrinkage))
+        return -1 if self._shrinkage[thin] > THINNEST else thin
 
     def strain_energy(self, x: Array) -> float:
         """``Pi = sum_e Pi_e`` [J]."""

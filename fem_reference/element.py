@@ -50,7 +50,7 @@ class Elements(Protocol):
         ...
 
     def invalid_element(self) -> int:
-        """Element with ``J <= 0`` or ``nan`` at the last ``internal_force``; -1 when none."""
+        """Element that is folded, not finite or flattened at the last force; -1 when none."""
         ...
 
     def strain_energy(self, x: Array) -> float:

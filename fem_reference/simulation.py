@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Callable, Sequence
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,8 +20,10 @@ from fem_reference.mesh import scikit_fem_mesh
 from sphsolid.compiled import threads
 from sphsolid.continuum import reference_p_wave_speed
 from sphsolid.errors import Diverged, InputError, require
-from sphsolid.record import History, Progress, Snapshot, march
+from sphsolid.record import History, Output, Progress, Snapshot, march, restore, write_vtu
 from sphsolid.record.balance import Balance, MomentumWatch, NotTracked, total_momentum
+from sphsolid.record.checkpoint import common_identity
+from sphsolid.record.output import NO_OUTPUT
 from sphsolid.record.recorders import Recorder, asks_for_balance
 from sphsolid.scenes.scene import Scene
 
@@ -67,7 +70,7 @@ class Simulation:
         self._account: Account | NoAccount = NoAccount()
         self._watch = MomentumWatch(np.zeros((2, 3)))
         self._reaction_force = np.zeros((len(self._essential.nodes), 3))
-        self._start_energy = 0.0
+        self._start_energy = np.zeros(())
 
         displacement, velocity = scene.initial_state(self._mesh.vertices)
         self._x = self._mesh.vertices + displacement
@@ -152,7 +155,7 @@ class Simulation:
         self._account = Account(self._loads, self._mass, self._essential)
         self._watch = MomentumWatch(self._momentum())
         start = self.snapshot()
-        self._start_energy = start.kinetic_energy + start.strain_energy
+        self._start_energy = np.array(start.kinetic_energy + start.strain_energy)
 
     def _momentum(self) -> Array:
         return total_momentum(self._V, self.scene.material.density, self._x, self._v)
@@ -162,8 +165,8 @@ class Simulation:
         if not isinstance(account, Account):
             return NotTracked()
         return Balance(
-            start_energy=self._start_energy,
-            works=dict(account.works),
+            start_energy=float(self._start_energy),
+            works={name: float(work) for name, work in account.works.items()},
             start_momentum=self._watch.start,
             momentum=self._watch.now,
             impulse=account.impulse,
@@ -180,11 +183,39 @@ class Simulation:
         every: float | None = None,
         record: Sequence[Recorder] = (),
         progress: Callable[[Progress], None] | None = None,
+        output: Output = NO_OUTPUT,
     ) -> History:
         """Advance to ``until`` [s] recording every ``every`` [s]; see ``sphsolid.record.march``."""
         if asks_for_balance(record):
             self.track_balance()
-        return march(self, until=until, every=every, record=record, progress=progress)
+        return march(
+            self, until=until, every=every, record=record, progress=progress, output=output
+        )
+
+    def save(self, path: str | Path) -> None:
+        """Write the state now as a ``.vtu`` file; see ``record.write_vtu``."""
+        write_vtu(self.snapshot(), path)
+
+    def restore(self, path: str | Path) -> None:
+        """Take over, bit for bit, a checkpoint that an equal simulation wrote."""
+        restore(self, path)
+
+    def identity(self) -> dict[str, str]:
+        """What a checkpoint must agree on with the simulation that takes it over."""
+        options = {"method": "FEM", "element": repr(self.element), "cfl": repr(self.cfl)}
+        return common_identity(self.scene, self._mesh.vertices, self._V) | options
+
+    def state_arrays(self) -> dict[str, Array]:
+        """The arrays that hold the state, and the account where one is kept."""
+        arrays = {"x": self._x, "v": self._v, "a": self._a}
+        if isinstance(self._account, Account):
+            totals = self._account.arrays() | self._watch.arrays() | {"energy": self._start_energy}
+            arrays |= {f"account.{name}": value for name, value in totals.items()}
+        return arrays
+
+    def state_changed(self) -> None:
+        """Bring what is derived from the state up to date: the elements' Jacobians."""
+        self._elements.internal_force(self._x, np.empty_like(self._x))
 
     def plan(self) -> str:
         """What is active and what it will cost, in words."""
@@ -234,7 +265,7 @@ class Simulation:
             return
         X = self._mesh.vertices[self._mesh.cells[element]].mean(axis=0)
         raise Diverged(
-            reason=f"element {element} is inside out or not finite (J <= 0 at a Gauss point)",
+            reason=f"element {element} is inside out, not finite or flattened",
             time=self.time,
             step=self.step,
             particle=element,

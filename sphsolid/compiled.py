@@ -4,7 +4,8 @@ Why a module of its own:
 
 * numba's disk cache does not notice an edit in *another* file, so a cached caller can return
   the old stress after the material law changed.  The cache directory is therefore keyed by a
-  hash of every source file of the compiled packages.
+  hash of every source file that can end up in a kernel: those that import this module or are
+  in a room that does.
 * The threading layer and its wait policy must be chosen before numba starts its threads.
 
 Kernels take arrays and scalars only and write into their last argument.  They *gather*: every
@@ -23,16 +24,29 @@ from typing import Any
 #: Both compiled packages share the cache, because fem_reference inlines sphsolid.continuum.
 _ROOT = Path(__file__).resolve().parent.parent
 _COMPILED_PACKAGES = ("sphsolid", "fem_reference")
+#: Rooms without kernels: records and the wiring change often and need no new compilation.
+_NOT_COMPILED = ("sphsolid/record/", "sphsolid/simulation.py", "sphsolid/describe.py")
 
 
-def source_hash() -> str:
-    """Hash of all sources that can end up inside a compiled kernel."""
+def _hash(skipped: tuple[str, ...]) -> str:
     digest = hashlib.sha256()
     for package in _COMPILED_PACKAGES:
         for path in sorted((_ROOT / package).rglob("*.py")):
-            digest.update(path.relative_to(_ROOT).as_posix().encode())
-            digest.update(path.read_bytes())
+            name = path.relative_to(_ROOT).as_posix()
+            if not name.startswith(skipped):
+                digest.update(name.encode())
+                digest.update(path.read_bytes())
     return digest.hexdigest()[:16]
+
+
+def source_hash() -> str:
+    """Hash of all sources that can change a result."""
+    return _hash(())
+
+
+def kernel_hash() -> str:
+    """Hash of all sources that can end up inside a compiled kernel."""
+    return _hash(_NOT_COMPILED)
 
 
 def _cache_base() -> Path:
@@ -42,7 +56,7 @@ def _cache_base() -> Path:
     return Path(os.environ.get("XDG_CACHE_HOME", Path.home() / ".cache")) / "sphsolid"
 
 
-CACHE_DIR = _cache_base() / "kernels" / source_hash()
+CACHE_DIR = _cache_base() / "kernels" / kernel_hash()
 
 # A process that shares the machine should sleep, not spin, while it waits for its threads.
 os.environ.setdefault("OMP_WAIT_POLICY", "passive")
@@ -96,6 +110,7 @@ __all__ = [
     "CACHE_DIR",
     "description",
     "kernel",
+    "kernel_hash",
     "overload",
     "prange",
     "register_jitable",

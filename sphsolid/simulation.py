@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time as clock
 from collections.abc import Callable, Sequence
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -17,9 +18,14 @@ from sphsolid.continuum.tensor import cofactor, determinant, join, split
 from sphsolid.continuum.wave_speed import reference_p_wave_speed
 from sphsolid.errors import InputError
 from sphsolid.record.balance import Balance, MomentumWatch, NotTracked, total_momentum
-from sphsolid.record.march import History, Progress, march
+from sphsolid.record.checkpoint import common_identity, restore
+from sphsolid.record.history import History
+from sphsolid.record.march import march
+from sphsolid.record.output import NO_OUTPUT, Output
+from sphsolid.record.progress import Progress
 from sphsolid.record.recorders import Recorder, asks_for_balance
 from sphsolid.record.snapshot import Snapshot
+from sphsolid.record.vtu import write_vtu
 from sphsolid.scenes.scene import FromGeometry, Scene
 from sphsolid.scheme.boundary import EssentialConditions, Loads
 from sphsolid.scheme.formulation import PF, Formulation
@@ -31,6 +37,7 @@ from sphsolid.scheme.projection import (
     NoProjection,
 )
 from sphsolid.scheme.right_hand_side import RightHandSide, State
+from sphsolid.scheme.ssp_rk3 import SSPRK3
 from sphsolid.scheme.stabilisation import SUPG, Stabilisation, check_pair
 from sphsolid.scheme.time_step import TimeStep, check_cfl
 from sphsolid.scheme.tvd_rk2 import TVDRK2
@@ -66,7 +73,7 @@ class Simulation:
         cfl: float = 0.3,
         angular_momentum: AngularMomentumTreatment | None = None,
         initial_strain: InitialStrain | None = None,
-        integrator: TVDRK2 | None = None,
+        integrator: TVDRK2 | SSPRK3 | None = None,
     ) -> None:
         started = clock.perf_counter()
         self.scene = scene
@@ -82,9 +89,9 @@ class Simulation:
         _known("operator", operator, Literal, Consistent)
         _known("angular_momentum", angular_momentum, LocalProjection, NoProjection)
         _known("initial_strain", initial_strain, Compatible, Given)
-        _known("integrator", integrator, TVDRK2)
+        _known("integrator", integrator, TVDRK2, SSPRK3)
         self.operator = Consistent() if operator is None else operator
-        self.integrator = TVDRK2() if integrator is None else integrator
+        self.integrator: TVDRK2 | SSPRK3 = TVDRK2() if integrator is None else integrator
         self.angular_momentum = (
             LocalProjection() if angular_momentum is None else angular_momentum
         )
@@ -126,7 +133,7 @@ class Simulation:
             size=self.cloud.size,
         )
         self._watch = MomentumWatch(np.zeros((2, 3)))
-        self._start_energy = 0.0
+        self._start_energy = np.zeros(())
         self.time = 0.0
         self.step = 0
         self.setup_seconds = clock.perf_counter() - started
@@ -210,7 +217,7 @@ class Simulation:
         self._stepper.account = Account(self._rhs)
         self._watch = MomentumWatch(self._momentum())
         start = self.snapshot()
-        self._start_energy = start.kinetic_energy + start.strain_energy
+        self._start_energy = np.array(start.kinetic_energy + start.strain_energy)
 
     def _momentum(self) -> np.ndarray:
         s, density = self.state, self.scene.material.density
@@ -223,7 +230,7 @@ class Simulation:
         essential = self._rhs.essential
         force = self.cloud.V[essential.particles, None] * self._rhs.reaction
         return Balance(
-            start_energy=self._start_energy,
+            start_energy=float(self._start_energy),
             works=dict(zip(TERMS, account.works.tolist(), strict=True)),
             start_momentum=self._watch.start,
             momentum=self._watch.now,
@@ -241,15 +248,50 @@ class Simulation:
         every: float | None = None,
         record: Sequence[Recorder] = (),
         progress: Callable[[Progress], None] | None = None,
+        output: Output = NO_OUTPUT,
     ) -> History:
         """Advance to ``until`` [s] and record every ``every`` [s]; see ``record.march``."""
         started = clock.perf_counter()
         if asks_for_balance(record):
             self.track_balance()
         try:
-            return march(self, until=until, every=every, record=record, progress=progress)
+            return march(
+                self, until=until, every=every, record=record, progress=progress, output=output
+            )
         finally:
             self.run_seconds += clock.perf_counter() - started
+
+    def save(self, path: str | Path) -> None:
+        """Write the state now as a ``.vtu`` file; see ``record.write_vtu``."""
+        write_vtu(self.snapshot(), path)
+
+    def restore(self, path: str | Path) -> None:
+        """Take over, bit for bit, a checkpoint that an equal simulation wrote."""
+        restore(self, path)
+
+    def identity(self) -> dict[str, str]:
+        """What a checkpoint must agree on with the simulation that takes it over."""
+        options = {
+            name: repr(getattr(self, name))
+            for name in (
+                "formulation", "stabilisation", "operator", "h_over_dx", "angular_momentum",
+                "initial_strain", "integrator",
+            )
+        } | {"smoothing": repr(self.cloud.smoothing), "cfl": repr(self._time_step.cfl)}  # fmt: skip
+        return common_identity(self.scene, self.cloud.X, self.cloud.V) | {"method": "SPH"} | options
+
+    def state_arrays(self) -> dict[str, Any]:
+        """The arrays that hold the state, and the account where one is kept."""
+        arrays = dict(vars(self.state))
+        account = self._stepper.account
+        if isinstance(account, Account):
+            totals = account.arrays() | self._watch.arrays() | {"energy": self._start_energy}
+            arrays |= {f"account.{name}": value for name, value in totals.items()}
+        return arrays
+
+    def state_changed(self) -> None:
+        """Bring what is derived from the state up to date."""
+        self._rhs.set_geometry(self.state.x)
 
     def snapshot(self) -> Snapshot:
         """Copies of the state now, with the constitutive stress ``P(F, H, J)``."""

@@ -8,8 +8,7 @@ from typing import Any
 import fem_reference as fem
 import sphsolid as sph
 from sphsolid.cloud import OperatorKind, SecondaryPoints
-from sphsolid.record import instant_errors, period_errors
-from sphsolid.record.march import Solver, march
+from sphsolid.record import Solver, instant_errors, march, period_errors
 from sphsolid.scenes import amplitude_of_gradient, swinging_cube
 from sphsolid.scheme.projection import AngularMomentumTreatment
 

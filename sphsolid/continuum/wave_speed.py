@@ -12,6 +12,10 @@ from sphsolid.continuum.law import tangent_action
 from sphsolid.continuum.moduli import first_lame
 from sphsolid.continuum.tensor import Tensor, split
 
+#: A fibre shorter than this share of its length is taken as a lost solution: the stable step
+#: shrinks with it, so a run that has blown up would otherwise creep on for ever.
+THINNEST = 5.0e-3
+
 
 def reference_p_wave_speed(material: Any) -> float:
     """``c_p = sqrt((lambda + 2 mu) / rho0)`` [m/s] of the undeformed solid."""

@@ -1,63 +1,21 @@
-"""The loop over time that both solvers run, and the history it returns."""
+"""The loop over time that both solvers run."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
-from pathlib import Path
-from typing import Any, Protocol
 
-import pandas as pd
-
-from sphsolid.errors import InputError, require
+from sphsolid.errors import require
+from sphsolid.record.history import History, Row, check_columns
+from sphsolid.record.interrupt import Interrupt, held_interrupt
+from sphsolid.record.output import NO_OUTPUT, Output, Sink, Task
+from sphsolid.record.progress import Pace, Progress
 from sphsolid.record.recorders import Recorder
 from sphsolid.record.snapshot import Snapshot
-from sphsolid.scenes.scene import Scene
+from sphsolid.record.solver import Solver
 
-
-class Solver(Protocol):
-    """What the loop needs of a method."""
-
-    scene: Scene
-    time: float
-    step: int
-
-    def stable_time_step(self) -> float:
-        """Largest step [s] allowed now; raises ``Diverged`` when the state is invalid."""
-        ...
-
-    def advance(self, dt: float) -> None:
-        """One step of length ``dt`` [s]."""
-        ...
-
-    def snapshot(self) -> Snapshot:
-        """The state now."""
-        ...
-
-
-@dataclass(frozen=True)
-class Progress:
-    """Where a run is: given to the progress callback at every record."""
-
-    time: float
-    until: float
-    step: int
-    dt: float
-
-
-@dataclass(frozen=True)
-class History:
-    """One row per record; the columns name their units."""
-
-    table: pd.DataFrame
-
-    def to_csv(self, path: str | Path) -> None:
-        """Write all rows with full double precision."""
-        self.table.to_csv(path, index=False, float_format="%.17g")
-
-    def __getitem__(self, column: str) -> Any:
-        return self.table[column].to_numpy()
+#: Share of a gap or a step within which two instants are the same.
+SAME = 1e-9
 
 
 def march(
@@ -67,67 +25,119 @@ def march(
     every: float | None = None,
     record: Sequence[Recorder] = (),
     progress: Callable[[Progress], None] | None = None,
+    output: Output = NO_OUTPUT,
 ) -> History:
     """Advance to ``until`` [s], recording now and then every ``every`` [s].
 
-    ``until`` defaults to the scene's end time, ``every`` to the whole span.  Steps are shortened
-    evenly so that each record falls exactly on a step end: between two records all steps are
+    ``until`` defaults to the scene's end time, ``every`` to the whole span.  Records fall on whole
+    multiples of ``every`` and on ``until``, so that a run that goes on, in this process or from a
+    checkpoint, has the same instants as one that never stopped.  Steps are shortened evenly so that
+    each record falls exactly on a step end: between two records all steps are
     ``gap / ceil(gap / dt_stable)`` as long as the stable step does not change.  A record is taken
-    after a completed step, when every field is at the same instant.  Raises ``InputError`` for
-    times that are not ahead, ``Diverged`` when the solution is lost (the history so far is
-    attached to the exception as ``history``).
+    after a completed step, when every field is at the same instant.
+
+    ``output`` takes every record as it is made; when it resumes an earlier run, the history begins
+    with that run's rows.  ``progress`` is called at records and twice a second.  Ctrl-C acts
+    between two steps, or after the record being made.  Raises ``InputError`` for times that are not
+    ahead, ``Diverged`` when the solution is lost; the history so far is attached to that exception,
+    and to ``KeyboardInterrupt``, as ``history``.
     """
     end = solver.scene.end_time if until is None else until
+    require(every is None or 0.0 < every < math.inf, f"every = {every} s must be positive, finite")
+    rows = output.take_up(solver)
+    if rows and solver.time == end:
+        # Nothing is left to do but what a kill at the very end may have left undone.
+        output.open(solver, Task(end, every, record), rows).close(None)
+        return History.of(rows)
     require(
         math.isfinite(end) and end > solver.time,
         f"until = {end} s is not after the present time {solver.time} s",
     )
-    gap = end - solver.time if every is None else every
-    require(math.isfinite(gap) and gap > 0.0, f"every = {every} s must be positive and finite")
-    rows: list[dict[str, float]] = []
+    pace = Pace(progress, start=solver.time, until=end)
+    return _Run(solver, record, output, rows, pace).go(end, every)
 
-    def take() -> None:
-        if not record:
+
+class _Run:
+    """One call of :func:`march`: the solver, and all who are told of its records and steps."""
+
+    def __init__(
+        self,
+        solver: Solver,
+        record: Sequence[Recorder],
+        output: Output,
+        rows: list[Row],
+        pace: Pace,
+    ) -> None:
+        self._solver, self._record, self._output = solver, record, output
+        self._rows, self._pace = rows, pace
+        self._keeps_rows = bool(record) or output.wants_records
+
+    def go(self, until: float, every: float | None) -> History:
+        solver = self._solver
+        at_start = solver.step == 0 and not self._rows
+        # Recorders are tried before a file is touched, and against the rows they will continue.
+        first = self._look() if at_start or self._rows or self._pace.is_told else None
+        if first is not None and self._rows:
+            check_columns(list(self._rows[-1]), list(first[1]))
+        sink = self._output.open(solver, Task(until, every, self._record), self._rows)
+        try:
+            with held_interrupt() as interrupt:
+                if at_start:
+                    self._keep(first, sink, last=False)
+                for target in _targets(solver.time, until, every):
+                    self._march_to(target, interrupt)
+                    self._keep(self._look(), sink, last=target == until)
+                    interrupt.check()
+        except BaseException as failure:
+            failure.history = History.of(self._rows)  # type: ignore[attr-defined]
+            sink.close(failure)
+            self._pace.failed()
+            raise
+        sink.close(None)
+        return History.of(self._rows)
+
+    def _look(self) -> tuple[Snapshot, Row] | None:
+        if not (self._keeps_rows or self._pace.is_told):
+            return None
+        snapshot = self._solver.snapshot()
+        self._pace.looked(snapshot)
+        row: Row = {"time [s]": snapshot.time, "step": snapshot.step}
+        for recorder in self._record:
+            row.update(recorder.record(snapshot, self._solver.scene))
+        return snapshot, row
+
+    def _keep(self, seen: tuple[Snapshot, Row] | None, sink: Sink, *, last: bool) -> None:
+        if seen is None:
             return
-        snapshot = solver.snapshot()
-        row: dict[str, float] = {"time [s]": snapshot.time, "step": snapshot.step}
-        for recorder in record:
-            row.update(recorder.record(snapshot, solver.scene))
-        rows.append(row)
+        snapshot, row = seen
+        if self._keeps_rows:
+            sink.write(snapshot, row, last=last)
+            self._rows.append(row)
+        if snapshot.step > 0:
+            self._pace.recorded()
 
-    try:
-        if solver.step == 0:
-            take()
-        for target in _targets(solver.time, end, gap):
-            dt = _march_to(solver, target)
-            take()
-            if progress is not None:
-                progress(Progress(solver.time, end, solver.step, dt))
-    except InputError:
-        raise
-    except Exception as failure:
-        failure.history = History(pd.DataFrame(rows))  # type: ignore[attr-defined]
-        raise
-    return History(pd.DataFrame(rows))
+    def _march_to(self, target: float, interrupt: Interrupt) -> None:
+        solver = self._solver
+        while True:
+            remaining = target - solver.time
+            steps = max(1, math.ceil(remaining / solver.stable_time_step() - SAME))
+            dt = remaining / steps
+            solver.advance(dt)
+            if steps == 1:
+                # The last step of the gap lands on the target; name that instant exactly.
+                solver.time = target
+                # A solution lost in this very step must not be recorded, nor end the run well.
+                solver.stable_time_step()
+            self._pace.stepped(solver.time, solver.step, dt)
+            if steps == 1:
+                return
+            interrupt.check()
 
 
-def _targets(start: float, end: float, gap: float) -> Iterator[float]:
-    count = max(1, math.ceil((end - start) / gap - 1e-9))
-    for k in range(1, count):
-        yield start + k * gap
+def _targets(now: float, end: float, every: float | None) -> Iterator[float]:
+    if every is not None:
+        k = math.floor(now / every + SAME) + 1
+        while k * every < end - SAME * every:
+            yield k * every
+            k += 1
     yield end
-
-
-def _march_to(solver: Solver, target: float) -> float:
-    dt = 0.0
-    while True:
-        remaining = target - solver.time
-        steps = max(1, math.ceil(remaining / solver.stable_time_step() - 1e-9))
-        dt = remaining / steps
-        solver.advance(dt)
-        if steps == 1:
-            # The last step of the gap lands on the target; name that instant exactly.
-            solver.time = target
-            # A solution lost in this very step must not be recorded, nor end the run well.
-            solver.stable_time_step()
-            return dt

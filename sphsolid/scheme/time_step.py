@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from sphsolid.compiled import kernel, prange
 from sphsolid.continuum.tensor import determinant, load
-from sphsolid.continuum.wave_speed import smallest_stretch
+from sphsolid.continuum.wave_speed import THINNEST, smallest_stretch
 from sphsolid.errors import Diverged, InputError, require
 
 Array = NDArray[np.float64]
@@ -39,6 +39,14 @@ def _stretch_limits(has_J, p, F, J, limit):  # type: ignore[no-untyped-def]
             limit[a] = stretch
 
 
+def _reason(limit: float) -> str:
+    if limit < -1.5:
+        return "non-finite state"
+    if limit < 0.0:
+        return "negative Jacobian"
+    return f"compressed to {100.0 * limit:.2g} % of its length (least allowed {THINNEST:.1%})"
+
+
 def check_cfl(cfl: float) -> None:
     """Raise ``InputError`` unless the CFL number is positive and finite."""
     require(
@@ -65,12 +73,15 @@ class TimeStep:
     def stable(
         self, has_J: bool, p: Array, F: Array, J: Array, X: Array, time: float, step: int
     ) -> float:
-        """``dt`` [s] now; raises ``Diverged`` naming the first invalid particle."""
+        """``dt`` [s] now; raises ``Diverged`` naming the first invalid particle.
+
+        Invalid: a field that is not finite, ``J <= 0``, a stretch below ``THINNEST``.
+        """
         _stretch_limits(has_J, p, F, J, self._limit)
         least = float(np.min(self._limit))
-        if least <= 0.0:
-            a = int(np.argmax(self._limit <= 0.0))
-            reason = "non-finite state" if self._limit[a] < -1.5 else "negative Jacobian"
+        if least < THINNEST:
+            a = int(np.argmax(self._limit < THINNEST))
+            reason = _reason(float(self._limit[a]))
             x, y, z = (float(c) for c in X[a])
             raise Diverged(reason, time, step, a, (x, y, z), ADVICE)
         return self.reference * least

@@ -9,8 +9,6 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
-from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.figure import Figure
 
 import sphsolid as sph
 from sphsolid.scenes import twisting_column
@@ -19,10 +17,8 @@ from studies.cases import ROOT
 from studies.convergence_verdicts import verdict_table
 from studies.document import Document
 from studies.front import main
-from studies.picture import vertex_pressure
 from studies.readme_table import BEGIN, END, results_table, with_table
 from studies.results import Results, read_results
-from studies.surface import draw_surface, frame_axes, pressure_scale
 
 
 @pytest.fixture(scope="module")
@@ -124,17 +120,3 @@ def test_the_twist_of_the_top_is_measured_as_turned() -> None:
 def test_bad_command_lines_get_one_line(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(convergence.STUDY, ["--finest", "5"]) == 2
     assert capsys.readouterr().err.startswith("error: --finest 5")
-
-
-def test_the_picture_is_drawn(tmp_path: Path) -> None:
-    scene = twisting_column()
-    sim = sph.Simulation(scene, spacing=0.5)
-    shot = sim.snapshot()
-    figure = Figure()
-    FigureCanvasAgg(figure)
-    axes = figure.add_subplot(projection="3d")
-    pressure = vertex_pressure(shot, sim.cloud.mesh, scene.material.kappa)
-    draw_surface(axes, sim.cloud.mesh, shot.x, pressure, pressure_scale(1e6))
-    frame_axes(axes, shot.x.min(axis=0), shot.x.max(axis=0))
-    figure.savefig(tmp_path / "column.png")
-    assert (tmp_path / "column.png").stat().st_size > 5_000

@@ -9,19 +9,21 @@ from sphsolid.continuum import NeoHookean
 from sphsolid.errors import Diverged
 from sphsolid.record import Snapshot
 from sphsolid.scenes import swinging_cube
-from sphsolid.scenes.hex_mesh import HexMesh
+from sphsolid.scenes.hex_mesh import CORNERS, HexMesh
 
 NO_MESH = HexMesh(np.zeros((0, 3)), np.zeros((0, 8), dtype=np.int64), {}, 1.0, True)
 
 
-def snapshot_of(X, V, velocity, *, x=None, time=0.0, step=0, density=2.0, P=None, energy=0.0):
+def snapshot_of(
+    X, V, velocity, *, x=None, time=0.0, step=0, density=2.0, P=None, energy=0.0, mesh=NO_MESH
+):
     """A snapshot at particles; ``F = I`` and no stress unless given."""
     identity = np.broadcast_to(np.eye(3), (len(X), 3, 3)).copy()
     return Snapshot(
         time=time,
         step=step,
         material=NeoHookean(mu=1.0, kappa=2.0, density=density),
-        mesh=NO_MESH,
+        mesh=mesh,
         X=X,
         V=V,
         x=X.copy() if x is None else x,
@@ -35,14 +37,20 @@ def snapshot_of(X, V, velocity, *, x=None, time=0.0, step=0, density=2.0, P=None
     )
 
 
+CUBE = HexMesh(CORNERS.astype(float), np.arange(8)[None, :], {}, 1.0, True)
+
+
 class FakeSolver:
-    """Two particles that move with speed ``t``; ``dt(t)`` is the stable step."""
+    """A cube of one cell that moves with speed ``t``; ``dt(t)`` is the stable step."""
 
     def __init__(self, *, dt=lambda t: 0.03, fails_at=np.inf, scene=None):
         self.scene = swinging_cube() if scene is None else scene
         self.time = 0.0
         self.step = 0
         self.steps = []
+        self.name = "fake"
+        self.x = CUBE.vertices.copy()
+        self.changed = 0
         self._dt = dt
         self._fails_at = fails_at
 
@@ -53,13 +61,28 @@ class FakeSolver:
 
     def advance(self, dt: float) -> None:
         self.steps.append(dt)
+        self.x += dt * self.time
         self.time += dt
         self.step += 1
 
     def snapshot(self) -> Snapshot:
-        X = np.array([[0.0, 0.0, 0.0], [1.0, 1.0, 1.0]])
-        velocity = np.full((2, 3), self.time)
-        return snapshot_of(X, np.array([0.5, 0.5]), velocity, time=self.time, step=self.step)
+        velocity = np.full((8, 3), self.time)
+        return snapshot_of(
+            CUBE.vertices, np.full(8, 0.125), velocity,
+            x=self.x.copy(), time=self.time, step=self.step, mesh=CUBE,
+        )  # fmt: skip
+
+    def plan(self) -> str:
+        return "nothing\nto speak of"
+
+    def identity(self) -> dict[str, str]:
+        return {"scene": self.scene.name, "method": "fake"}
+
+    def state_arrays(self):
+        return {"x": self.x}
+
+    def state_changed(self) -> None:
+        self.changed += 1
 
 
 @pytest.fixture

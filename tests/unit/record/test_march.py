@@ -65,6 +65,24 @@ def test_a_run_goes_on_where_it_stopped(fake_solver):
     assert np.all(np.diff(times) > 0.0), "the instant of the restart is not recorded twice"
 
 
+def test_records_fall_on_multiples_wherever_a_run_goes_on(fake_solver):
+    """The instants do not depend on where a run was cut: bitwise the same after a restart."""
+    solver = fake_solver()
+    march(solver, until=0.25)
+    rest = march(solver, until=1.0, every=0.1, record=[Speed()])
+    np.testing.assert_array_equal(rest["time [s]"], [*(k * 0.1 for k in range(3, 10)), 1.0])
+
+
+def test_two_calls_give_the_bits_of_one(fake_solver):
+    solver, other = fake_solver(), fake_solver()
+    cut = 7 * 0.1
+    march(solver, until=cut, every=0.1)
+    march(solver, until=1.0, every=0.1)
+    march(other, until=1.0, every=0.1)
+    assert solver.steps == other.steps
+    assert solver.x.tobytes() == other.x.tobytes()
+
+
 def test_no_recorder_no_rows_and_no_snapshot(fake_solver):
     solver = fake_solver()
     solver.snapshot = lambda: pytest.fail("a snapshot nobody wants")

@@ -1,0 +1,55 @@
+"""What the loop over time and its files need of a method."""
+
+from __future__ import annotations
+
+from typing import Any, Protocol
+
+from numpy.typing import NDArray
+
+from sphsolid.record.snapshot import Snapshot
+from sphsolid.scenes.scene import Scene
+
+
+class Solver(Protocol):
+    """A method that can be advanced, looked at, and put back where it was."""
+
+    scene: Scene
+    time: float
+    step: int
+
+    @property
+    def name(self) -> str:
+        """Scene and method in a file-name friendly form."""
+        ...
+
+    def stable_time_step(self) -> float:
+        """Largest step [s] allowed now; raises ``Diverged`` when the state is invalid."""
+        ...
+
+    def advance(self, dt: float) -> None:
+        """One step of length ``dt`` [s]."""
+        ...
+
+    def snapshot(self) -> Snapshot:
+        """The state now."""
+        ...
+
+    def plan(self) -> str:
+        """What is active, in words."""
+        ...
+
+    def identity(self) -> dict[str, str]:
+        """What a checkpoint must agree on with the solver that takes it over."""
+        ...
+
+    def state_arrays(self) -> dict[str, NDArray[Any]]:
+        """The arrays themselves, not copies, that hold all that the future depends on.
+
+        With ``time`` and ``step`` they are complete: written over with those of an equal solver,
+        and :meth:`state_changed` called, the next step gives the same bits.
+        """
+        ...
+
+    def state_changed(self) -> None:
+        """Bring up to date what is derived from :meth:`state_arrays`."""
+        ...

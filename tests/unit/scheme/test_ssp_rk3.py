@@ -1,0 +1,130 @@
+"""Three-stage Runge-Kutta: third order, exact angular momentum, no growth of undamped modes."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+import sphsolid as sph
+from sphsolid.record import Balance, EnergyLedger, MomentumDrift
+from sphsolid.scenes import Box, Scene, Traction
+from sphsolid.scheme import ssp_rk3
+from tests.oracles.blocks import FORMULATIONS, RUBBER, loaded_block, pulled, spinning_block
+
+SPAN = 2.0e-3
+THIRD = sph.SSPRK3()
+UNDAMPED = sph.NoStabilisation()
+EVOLVED = [f for f in FORMULATIONS if f.evolves_F]
+
+
+def build(scene: Scene, **options: Any) -> sph.Simulation:
+    return sph.Simulation(
+        scene, spacing=0.4, **{"integrator": THIRD, "stabilisation": UNDAMPED, **options}
+    )
+
+
+def after(scene: Scene, steps: int, **options: Any) -> sph.Simulation:
+    sim = build(scene, **options)
+    sim.track_balance()
+    for _ in range(steps):
+        sim.advance(SPAN / steps)
+    return sim
+
+
+def order(scene: Scene, name: str, **options: Any) -> float:
+    runs = [getattr(after(scene, n, **options).state, name) for n in (32, 64, 128)]
+    return float(
+        np.log2(np.linalg.norm(runs[0] - runs[1]) / np.linalg.norm(runs[1] - runs[2]))
+    )
+
+
+@pytest.mark.parametrize("formulation", FORMULATIONS, ids=lambda f: f.name)
+def test_free_motion_is_third_order_in_time(formulation: Any) -> None:
+    for name in ("p", "x", "F"):
+        assert 2.8 < order(spinning_block(), name, formulation=formulation) < 3.3, name
+
+
+@pytest.mark.parametrize("formulation", [sph.PF(), sph.PFHJ()], ids=lambda f: f.name)
+def test_loads_and_a_driven_face_keep_at_least_second_order(formulation: Any) -> None:
+    """The stages of a face driven with varying speed are only second order, as for any RK."""
+    assert order(loaded_block(), "p", formulation=formulation) > 1.9
+
+
+@pytest.mark.parametrize("formulation", FORMULATIONS, ids=lambda f: f.name)
+@pytest.mark.parametrize("stabilisation", [UNDAMPED, sph.SUPG()], ids=lambda s: s.name)
+def test_angular_momentum_is_exact_with_tractions(formulation: Any, stabilisation: Any) -> None:
+    scene = spinning_block()
+    scene = Scene(**(vars(scene) | {"tractions": (Traction("X+", pulled),)}))
+    sim = after(scene, 20, formulation=formulation, stabilisation=stabilisation)
+    row = MomentumDrift().record(sim.snapshot(), scene)
+    assert row["angular_drift [kg m^2/s]"] < 1e-13 * row["angular_scale [kg m^2/s]"]
+    assert row["linear_drift [kg m/s]"] < 1e-13 * row["linear_scale [kg m/s]"]
+
+
+def test_projecting_with_the_runge_kutta_positions_loses_it(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Planted: the stage positions of the plain method, second order but not the right ones."""
+
+    def plain(x: Any, factor: float, weights: Any, p_0: Any, p_1: Any, out: Any) -> None:
+        weights = {5 / 6: (1.0, 0.0)}.get(weights[0], weights)
+        out[:] = x + factor * (weights[0] * p_0 + weights[1] * p_1)
+
+    monkeypatch.setattr(ssp_rk3, "moved", plain)
+    sim = after(spinning_block(), 20, stabilisation=sph.SUPG())
+    row = MomentumDrift().record(sim.snapshot(), sim.scene)
+    assert row["angular_drift [kg m^2/s]"] > 1e-9 * row["angular_scale [kg m^2/s]"]
+
+
+@pytest.mark.parametrize("formulation", EVOLVED, ids=lambda f: f.name)
+def test_the_ledger_closes_with_third_order(formulation: Any) -> None:
+    left = []
+    for steps in (40, 80):
+        sim = after(spinning_block(), steps, formulation=formulation, stabilisation=sph.SUPG())
+        left.append(abs(EnergyLedger().record(sim.snapshot(), sim.scene)["energy_rest [J]"]))
+    assert np.log2(left[0] / left[1]) > 2.8
+
+
+def test_the_ledger_holds_with_every_load() -> None:
+    sim = after(loaded_block(), 80, stabilisation=sph.SUPG())
+    balance = sim.snapshot().balance
+    assert isinstance(balance, Balance)
+    rest = abs(EnergyLedger().record(sim.snapshot(), sim.scene)["energy_rest [J]"])
+    assert rest < 1e-4 * sum(abs(work) for work in balance.works.values())
+
+
+def test_free_fall_is_exact_with_a_quadratic_force() -> None:
+    g = 1e6 * np.array([3.0, -2.0, 1.0])
+    scene = Scene(
+        "falling", Box(jitter=0.2), RUBBER, 1.0,
+        body_force=lambda X, t: np.broadcast_to(RUBBER.density * g * t**2, X.shape),
+    )  # fmt: skip
+    sim = build(scene)
+    for _ in range(8):
+        sim.advance(5.0e-4)
+    t = sim.time
+    s = sim.snapshot()
+    np.testing.assert_allclose(s.velocity, np.broadcast_to(g * t**3 / 3, s.X.shape), rtol=1e-10)
+
+
+def test_undamped_noise_decays_where_two_stages_let_it_grow() -> None:
+    """A free block at rest with noise in p, no stabilisation, w dt up to one."""
+
+    def noise(X: Any) -> Any:
+        return 1e-6 * np.random.default_rng(0).normal(size=X.shape)
+
+    scene = Scene("noise", Box(), RUBBER, 1.0, initial_velocity=noise)
+    kept = {}
+    for integrator in (sph.TVDRK2(), THIRD):
+        sim = sph.Simulation(
+            scene, spacing=0.25, integrator=integrator, cfl=0.4, stabilisation=UNDAMPED
+        )
+        start = sim.snapshot().kinetic_energy
+        for _ in range(400):
+            sim.advance(sim.stable_time_step())
+        end = sim.snapshot()
+        kept[integrator.name] = (end.kinetic_energy + end.strain_energy) / start
+    assert kept["TVD-RK2"] > 10.0
+    assert kept["SSP-RK3"] < 1.0

@@ -1,0 +1,207 @@
+"""N steps, a checkpoint, a fresh object and N steps give the bits of 2N steps."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import fem_reference as fem
+import sphsolid as sph
+from sphsolid.record import (
+    AngularMomentum,
+    Energy,
+    EnergyLedger,
+    History,
+    MomentumDrift,
+    Reactions,
+    RunFolder,
+    checkpoint,
+    write_checkpoint,
+)
+from sphsolid.scenes import twisting_column
+from tests.oracles.blocks import loaded_block
+
+RECORD = (Energy(), AngularMomentum(), EnergyLedger(), MomentumDrift(), Reactions())
+#: Every load, a driven face, disordered particles: whatever a state can depend on is there.
+MAKE: dict[str, Callable[[], Any]] = {
+    "{p,F}": lambda: sph.Simulation(loaded_block(), spacing=0.25, formulation=sph.PF()),
+    "{p,F,H,J} with tau_p": lambda: sph.Simulation(
+        loaded_block(),
+        spacing=0.25,
+        formulation=sph.PFHJ(),
+        stabilisation=sph.SUPG(tau_p=0.1, fine_scale=sph.FullHessian(tau_H=0.1, tau_J=0.1)),
+        operator=sph.Consistent(use="force"),
+    ),
+    "displacement": lambda: sph.Simulation(
+        loaded_block(), spacing=0.25, formulation=sph.Displacement()
+    ),
+    "{p,F,J} with three stages": lambda: sph.Simulation(
+        loaded_block(), spacing=0.25, formulation=sph.PFJ(), integrator=sph.SSPRK3()
+    ),
+    "B-bar": lambda: fem.Simulation(loaded_block(), spacing=0.25),
+}
+
+
+def gap_of(sim: Any) -> float:
+    """Four steps and a bit, so that steps are shortened to meet the records."""
+    return float(4.3 * sim.stable_time_step())
+
+
+def bits(sim: Any) -> dict[str, bytes]:
+    """State and derived stress, as bytes; time and step."""
+    found = {name: np.ascontiguousarray(a).tobytes() for name, a in sim.state_arrays().items()}
+    clock = np.array([sim.time, sim.step]).tobytes()
+    return found | {"P": sim.snapshot().P.tobytes(), "clock": clock}
+
+
+def differing(one: dict[str, bytes], other: dict[str, bytes]) -> list[str]:
+    assert one.keys() == other.keys()
+    return [name for name in one if one[name] != other[name]]
+
+
+def files(folder: Path) -> dict[str, bytes]:
+    names = ["history.csv", "frames.pvd"]
+    names += [f"frames/{file.name}" for file in (folder / "frames").iterdir()]
+    return {name: (folder / name).read_bytes() for name in sorted(names)}
+
+
+def run(sim: Any, records: int, gap: float, folder: Path, **options: Any) -> History:
+    output = RunFolder(folder, **options)
+    return sim.run(until=records * gap, every=gap, record=RECORD, output=output)
+
+
+@pytest.mark.parametrize("case", list(MAKE))
+def test_a_resumed_run_has_the_bits_of_one_that_never_stopped(case: str, tmp_path: Path) -> None:
+    whole, first, second = (MAKE[case]() for _ in range(3))
+    gap = gap_of(whole)
+    history = run(whole, 6, gap, tmp_path / "whole")
+    run(first, 3, gap, tmp_path / "parts")
+    joined = run(second, 6, gap, tmp_path / "parts", resume=True)
+    assert whole.step > 25
+    assert differing(bits(second), bits(whole)) == []
+    assert list(joined.table) == list(history.table)
+    assert joined.table.to_numpy().tobytes() == history.table.to_numpy().tobytes()
+    assert files(tmp_path / "parts") == files(tmp_path / "whole")
+    # The comparison would see it: three more steps change every field that is evolved.
+    before = bits(second)
+    second.run(until=second.time + gap)
+    assert {"x", "P", "clock"} <= set(differing(bits(second), before))
+
+
+@pytest.mark.parametrize("case", list(MAKE))
+def test_restore_goes_on_from_any_step(case: str, tmp_path: Path) -> None:
+    whole, other = MAKE[case](), MAKE[case]()
+    dt = 0.7 * whole.stable_time_step()
+    for _ in range(5):
+        whole.advance(dt)
+    write_checkpoint(whole, tmp_path / "state.npz")
+    other.restore(tmp_path / "state.npz")
+    assert differing(bits(other), bits(whole)) == []
+    assert other.stable_time_step() == whole.stable_time_step()
+    for _ in range(5):
+        whole.advance(dt)
+        other.advance(dt)
+    assert differing(bits(other), bits(whole)) == []
+
+
+def test_restore_overwrites_whatever_was_computed_before(tmp_path: Path) -> None:
+    sim = MAKE["{p,F}"]()
+    sim.run(until=gap_of(sim))
+    write_checkpoint(sim, tmp_path / "state.npz")
+    saved = bits(sim)
+    sim.run(until=3.0 * sim.time)
+    assert differing(bits(sim), saved) != []
+    sim.restore(tmp_path / "state.npz")
+    assert differing(bits(sim), saved) == []
+
+
+def next_bits(sim: Any, dt: float) -> dict[str, bytes]:
+    sim.advance(dt)
+    return bits(sim)
+
+
+def test_an_incomplete_checkpoint_would_be_seen(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Planted omissions: the geometry that SPH projects with, the acceleration of FEM."""
+    for case, what in (("{p,F}", "geometry"), ("B-bar", "acceleration")):
+        whole, other = MAKE[case](), MAKE[case]()
+        dt = 0.7 * whole.stable_time_step()
+        for _ in range(5):
+            whole.advance(dt)
+        with monkeypatch.context() as planted:
+            if what == "geometry":
+                planted.setattr(type(other), "state_changed", lambda self: None)
+            else:
+                complete = type(other).state_arrays
+                planted.setattr(
+                    type(other),
+                    "state_arrays",
+                    lambda self, complete=complete: {
+                        k: v for k, v in complete(self).items() if k != "a"
+                    },
+                )
+            write_checkpoint(whole, tmp_path / "state.npz")
+            other.restore(tmp_path / "state.npz")
+        assert differing(next_bits(other, dt), next_bits(whole, dt)) != [], what
+
+
+# ------------------------------------------------------------------ what does not fit
+def column(**options: Any) -> Any:
+    scene = {k: options.pop(k) for k in ("angular_velocity", "poisson_ratio") if k in options}
+    return sph.Simulation(twisting_column(**scene), **{"spacing": 0.5, **options})
+
+
+@pytest.fixture(scope="module")
+def saved(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("restart") / "column.npz"
+    sim = column()
+    sim.run(until=1e-3)
+    write_checkpoint(sim, path)
+    return path
+
+
+@pytest.mark.parametrize(
+    ("options", "named"),
+    [
+        ({"formulation": sph.PFJ()}, r"formulation: PF\(\) there, PFJ\(\) here"),
+        ({"stabilisation": sph.SUPG(tau_F=0.5)}, "stabilisation: .*tau_F=1.0.*tau_F=0.5"),
+        ({"operator": sph.Literal()}, "operator"),
+        ({"smoothing": sph.CubicSpline()}, "smoothing"),
+        ({"h_over_dx": 0.8}, "h_over_dx: 0.77 there, 0.8 here"),
+        ({"cfl": 0.2}, "cfl: 0.3 there, 0.2 here"),
+        ({"angular_momentum": sph.NoProjection()}, "angular_momentum"),
+        ({"spacing": 0.4}, "initial state: .*points"),
+        ({"angular_velocity": 100.0}, r"\(initial state: "),
+        ({"poisson_ratio": 0.49}, "material"),
+    ],
+)
+def test_another_simulation_is_refused(saved: Path, options: dict[str, Any], named: str) -> None:
+    sim = column(**options)
+    before = bits(sim)
+    with pytest.raises(sph.InputError, match=rf"does not fit this simulation.*{named}"):
+        sim.restore(saved)
+    assert differing(bits(sim), before) == []
+
+
+def test_the_other_method_is_refused(saved: Path) -> None:
+    with pytest.raises(sph.InputError, match="method: SPH there, FEM here"):
+        fem.Simulation(twisting_column(), spacing=0.5).restore(saved)
+
+
+def test_other_sources_are_refused(saved: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(checkpoint, "CACHE_DIR", Path("kernels/0123456789abcdef"))
+    with pytest.raises(sph.InputError, match=r"sources: .* there, 0123456789abcdef here"):
+        column().restore(saved)
+
+
+def test_an_account_cannot_be_taken_up_where_none_was_kept(saved: Path) -> None:
+    sim = column()
+    sim.track_balance()
+    with pytest.raises(sph.InputError, match=r"no array 'account.*same recorders"):
+        sim.restore(saved)
+    column().restore(saved)
