@@ -1,0 +1,194 @@
+"""Animations: the frames of one run, or of several methods beside each other, as a GIF.
+
+``python -m studies.animation --shots <out>/shots --key <case> [--key <case>] --gif out/run.gif``
+reads stored frames, ``python -m studies.animation --scene twisting_column`` runs a scene first.
+The same frames give the same bytes.
+"""
+
+from __future__ import annotations
+
+import argparse
+import io
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from PIL import Image
+
+import fem_reference as fem
+import sphsolid as sph
+from sphsolid import scenes
+from sphsolid.errors import Diverged, InputError, require
+from studies.colours import LOOKS, ColourRange, limits
+from studies.panels import SURFACE, WHOLE, Layout, Sheet, check_grid, flat
+from studies.shots import Frame, Lost, Shot, ShotFolder, take_shot, write_whole
+from studies.surface import Drawing
+from studies.view import Around, View, Window, angled_view, flat_view
+
+#: Small: a GIF is to be looked at in a browser.
+SMALL = Layout(width=4.0, height=4.5, dpi=95)
+_VIEWS = {
+    "y-up": angled_view(up="y"),
+    "z-up": angled_view(up="z"),
+    "flat-xz": flat_view(right="x", up="z"),
+    "flat-xy": flat_view(right="x", up="y"),
+}
+
+
+def write_gif(
+    frames: Sequence[Shot] | Sequence[Sequence[Frame]],
+    path: Path,
+    *,
+    colours: ColourRange,
+    view: View = _VIEWS["y-up"],
+    window: Window | Around = WHOLE,
+    drawing: Drawing = SURFACE,
+    layout: Layout = SMALL,
+    per_second: float = 10.0,
+    hold: float = 1.0,
+) -> Path:
+    """Write a GIF of ``frames`` in order; each a frame, or a row of them for several methods.
+
+    One scale, window and layout for all; the last picture stays ``hold`` [s], then it starts
+    again.  Pictures that are equal pixel by pixel are shown as one, for longer.  Raises
+    ``InputError`` when there is nothing to show.
+    """
+    require(len(frames) > 0, "write_gif: there are no frames")
+    require(
+        0.0 < per_second <= 50.0,
+        f"write_gif: per_second = {per_second} is outside (0, 50], what browsers show",
+    )
+    rows = [[frame] if isinstance(frame, Frame) else list(frame) for frame in frames]
+    check_grid(rows)
+    shots = [frame for frame in flat(rows) if isinstance(frame, Shot)]
+    sheet = Sheet(
+        rows[-1:],
+        colours=colours,
+        view=view,
+        window=window.of([shot.x for shot in shots], view),
+        drawing=drawing,
+        layout=layout,
+    )
+    pictures = [_picture(sheet, row) for row in rows]
+    durations = [round(1e3 / per_second)] * len(pictures)
+    durations[-1] += round(1e3 * hold)
+    palette = _palette(colours)
+    # No dithering: it would flicker, and not compress.
+    indexed = [p.quantize(palette=palette, dither=Image.Dither.NONE) for p in pictures]
+    buffer = io.BytesIO()
+    indexed[0].save(
+        buffer,
+        format="GIF",
+        save_all=True,
+        append_images=indexed[1:],
+        duration=durations,
+        loop=0,
+        optimize=False,
+    )
+    write_whole(path, buffer.getvalue())
+    return path
+
+
+def _picture(sheet: Sheet, row: Sequence[Frame]) -> Image.Image:
+    sheet.show([row])
+    canvas: Any = sheet.figure.canvas
+    canvas.draw()
+    return Image.fromarray(np.asarray(canvas.buffer_rgba())).convert("RGB")
+
+
+def _palette(colours: ColourRange) -> Image.Image:
+    """200 colours for all pictures: the bar's in four shades, and greys for text and lines.
+
+    Made from the colours and not from the pictures: the bar keeps its steps, white stays white.
+    """
+    values = np.linspace(colours.low, colours.high, 43)
+    bar = colours.scale().to_rgba(values)[:, :3]
+    shades = [shade * bar for shade in (1.0, 0.9, 0.78, 0.55)]
+    greys = np.repeat(np.linspace(0.0, 1.0, 28)[:, None], 3, axis=1)
+    entries = np.rint(255.0 * np.concatenate([*shades, greys])).astype(int)
+    palette = Image.new("P", (1, 1))
+    palette.putpalette(entries.ravel().tolist())
+    return palette
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """The command line; returns 0, or 2 for wrong input."""
+    options = _parser().parse_args(argv)
+    try:
+        rows = _stored(options) if options.shots else _run(options)
+        view = _VIEWS[options.view]
+        colours = limits(rows, field=options.field, percentile=options.percentile)
+        path = write_gif(rows, options.gif, colours=colours, view=view)
+    except InputError as error:
+        print(f"error: {error}", file=sys.stderr)
+        return 2
+    print(f"wrote {path.name}: {len(rows)} pictures, {path.stat().st_size / 1e6:.2f} MB")
+    return 0
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(prog="python -m studies.animation", description=__doc__)
+    parser.add_argument("--scene", default="twisting_column", help="scene to run (%(default)s)")
+    parser.add_argument("--cells", type=float, default=5.0, help="cells per metre (%(default)g)")
+    parser.add_argument("--frames", type=int, default=40, help="pictures (%(default)s)")
+    parser.add_argument("--shots", type=Path, help="read stored frames from this folder instead")
+    parser.add_argument("--key", action="append", default=[], help="case to show (repeat for more)")
+    parser.add_argument("--field", choices=list(LOOKS), default="pressure")
+    parser.add_argument("--percentile", type=float, default=99.0, help="of values, for the colours")
+    parser.add_argument("--view", choices=list(_VIEWS), default="y-up")
+    parser.add_argument("--gif", type=Path, default=Path("out", "animation.gif"))
+    return parser
+
+
+def _stored(options: argparse.Namespace) -> list[list[Frame]]:
+    folder = ShotFolder(options.shots)
+    require(len(options.key) > 0, "animation: say which case to show with --key")
+    columns: list[list[Shot]] = [folder.load_all(key) for key in options.key]
+    # A method that was lost has fewer frames: the others go on without it.
+    times = max(([shot.time for shot in column] for column in columns), key=len)
+    return [[folder.load(key, time) for key in options.key] for time in times]
+
+
+def _run(options: argparse.Namespace) -> list[list[Frame]]:
+    make = getattr(scenes, options.scene, None)
+    require(callable(make), f"animation: sphsolid.scenes has no scene {options.scene!r}")
+    require(options.frames > 0, f"animation: --frames {options.frames} must be positive")
+    scene = make()  # type: ignore[misc]
+    require(isinstance(scene, scenes.Scene), f"animation: {options.scene!r} is no scene")
+    spacing = 1.0 / options.cells
+    solvers: dict[str, sph.Simulation | fem.Simulation] = {
+        "SUPG-SPH {p,F,J}": sph.Simulation(
+            scene, spacing=spacing, formulation=sph.PFJ(), stabilisation=sph.SUPG(tau_p=0.1)
+        ),
+        "B-bar FEM": fem.Simulation(scene, spacing=spacing),
+    }
+    rows: list[list[Frame]] = [[take_shot(s.snapshot(), name) for name, s in solvers.items()]]
+    for k in range(1, options.frames + 1):
+        time = k * scene.end_time / options.frames
+        rows.append(
+            [
+                _next(solver, name, time, last)
+                for (name, solver), last in zip(solvers.items(), rows[-1], strict=True)
+            ]
+        )
+        print(f"{k} of {options.frames} pictures", flush=True)
+    return rows
+
+
+def _next(
+    solver: sph.Simulation | fem.Simulation, label: str, time: float, last: Frame
+) -> Frame:
+    """The frame at ``time`` [s], unless the solution is lost, or was."""
+    if isinstance(last, Lost):
+        return Lost(label, time, last.lost_at)
+    try:
+        solver.run(until=time)
+    except Diverged as failure:
+        return Lost(label, time, failure.time)
+    return take_shot(solver.snapshot(), label)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
