@@ -25,7 +25,9 @@ from typing import Any
 _ROOT = Path(__file__).resolve().parent.parent
 _COMPILED_PACKAGES = ("sphsolid", "fem_reference")
 #: Rooms without kernels: records and the wiring change often and need no new compilation.
-_NOT_COMPILED = ("sphsolid/record/", "sphsolid/simulation.py", "sphsolid/describe.py")
+_NOT_COMPILED = (
+    "sphsolid/record/", "sphsolid/simulation.py", "sphsolid/defaults.py", "sphsolid/describe.py",
+)  # fmt: skip
 
 
 def _hash(skipped: tuple[str, ...]) -> str:

@@ -12,10 +12,16 @@ import numpy as np
 from sphsolid.cloud.cloud import build_cloud, build_secondary, consistency_report
 from sphsolid.cloud.operator import Consistent, Literal, OperatorKind
 from sphsolid.cloud.smoothing import SmoothingFunction, WendlandC2
-from sphsolid.compiled import description
 from sphsolid.continuum import law
 from sphsolid.continuum.tensor import cofactor, determinant, join, split
 from sphsolid.continuum.wave_speed import reference_p_wave_speed
+from sphsolid.defaults import (
+    Integrator,
+    default_cfl,
+    default_h_over_dx,
+    default_stabilisation,
+)
+from sphsolid.describe import memory_bytes, plan, summary
 from sphsolid.errors import InputError
 from sphsolid.record.balance import Balance, MomentumWatch, NotTracked, total_momentum
 from sphsolid.record.checkpoint import common_identity, restore
@@ -42,10 +48,6 @@ from sphsolid.scheme.stabilisation import SUPG, Stabilisation, check_pair
 from sphsolid.scheme.time_step import TimeStep, check_cfl
 from sphsolid.scheme.tvd_rk2 import TVDRK2
 
-#: Smoothing length over spacing where none is given (support 1.54 and 1.8 spacings).
-H_OVER_DX_LATTICE = 0.77
-H_OVER_DX_DISORDERED = 0.9
-
 
 def _known(name: str, option: object, *kinds: type) -> None:
     if option is not None and not isinstance(option, kinds):
@@ -58,6 +60,7 @@ class Simulation:
 
     ``spacing`` [m] of the particles; options are objects.  Everything is checked before the first
     step: wrong pairs, a support that is too small, NaN in the initial data raise ``InputError``.
+    Where nothing is given, ``sphsolid.defaults`` chooses and ``plan()`` says what.
     """
 
     def __init__(
@@ -70,17 +73,24 @@ class Simulation:
         operator: OperatorKind | None = None,
         smoothing: SmoothingFunction | None = None,
         h_over_dx: float | None = None,
-        cfl: float = 0.3,
+        cfl: float | None = None,
         angular_momentum: AngularMomentumTreatment | None = None,
         initial_strain: InitialStrain | None = None,
-        integrator: TVDRK2 | SSPRK3 | None = None,
+        integrator: Integrator | None = None,
     ) -> None:
         started = clock.perf_counter()
+        given = {
+            "stabilisation": stabilisation, "h_over_dx": h_over_dx, "integrator": integrator,
+            "cfl": cfl, "formulation": formulation, "operator": operator, "smoothing": smoothing,
+        }  # fmt: skip
+        #: Options that were left to ``sphsolid.defaults``.
+        self.by_default = tuple(name for name, value in given.items() if value is None)
         self.scene = scene
         self.formulation = PF() if formulation is None else formulation
-        self.stabilisation = SUPG() if stabilisation is None else stabilisation
-        check_pair(self.formulation, self.stabilisation)
-        check_cfl(cfl)
+        if isinstance(self.formulation, Formulation) and stabilisation is None:
+            stabilisation = default_stabilisation(self.formulation)
+        check_pair(self.formulation, stabilisation)
+        self.stabilisation: Stabilisation = stabilisation
         if smoothing is not None and not hasattr(smoothing, "slope"):
             raise InputError(
                 f"smoothing = {smoothing!r} is not a smoothing function; use one of WendlandC2(), "
@@ -91,13 +101,14 @@ class Simulation:
         _known("initial_strain", initial_strain, Compatible, Given)
         _known("integrator", integrator, TVDRK2, SSPRK3)
         self.operator = Consistent() if operator is None else operator
-        self.integrator: TVDRK2 | SSPRK3 = TVDRK2() if integrator is None else integrator
+        self.integrator: Integrator = SSPRK3() if integrator is None else integrator
+        cfl = default_cfl(self.integrator) if cfl is None else cfl
+        check_cfl(cfl)
         self.angular_momentum = (
             LocalProjection() if angular_momentum is None else angular_momentum
         )
         mesh = scene.body.mesh(spacing)
-        if h_over_dx is None:
-            h_over_dx = H_OVER_DX_LATTICE if mesh.is_lattice else H_OVER_DX_DISORDERED
+        h_over_dx = default_h_over_dx(mesh.is_lattice) if h_over_dx is None else h_over_dx
         self.h_over_dx = h_over_dx
         self.cloud = build_cloud(
             mesh,
@@ -320,63 +331,12 @@ class Simulation:
 
     def plan(self) -> str:
         """What is active and why, before anything runs."""
-        f, c = self.formulation, self.cloud
-        cost: dict[str, Any] = description()
-        lines = [
-            f"scene          {self.scene.name}: {self.scene.provenance or 'no provenance given'}",
-            f"particles      {c.size} primary, spacing {c.spacing:.4g} m, "
-            f"{c.pairs.mean_neighbours:.1f} neighbours (support {c.smoothing.support * c.h:.4g} m "
-            f"= {c.smoothing.support * self.h_over_dx:.3g} dx)",
-            f"operator       {self.operator.name}, "
-            + ("force and gradient adjoint" if c.gradients.is_adjoint else "not adjoint")
-            + f"; {self.consistency}",
-            "fields         p, x" + (", F" if f.evolves_F else " (F from the geometry)")
-            + (", H" if f.evolves_H else " (H = cof F)")
-            + (", J" if f.evolves_J else " (J = det F)"),
-            "initial strain " + type(self.initial_strain).__name__,
-            "projection     " + type(self.angular_momentum).__name__,
-            "stabilisation  " + self._stabilisation_line(),
-            f"integrator     {self.integrator.name}, CFL {self._time_step.cfl:g}, undeformed step "
-            f"{self._time_step.reference:.4g} s, about "
-            f"{int(np.ceil(self.scene.end_time / self._time_step.reference))} steps",
-            f"memory         {self.memory_bytes() / 1e6:.1f} MB, "
-            f"{self.memory_bytes() / c.size:.0f} B a particle",
-            f"threads        {cost['threads']} ({cost['threading_layer']})",
-        ]
-        return "\n".join(lines)
-
-    def _stabilisation_line(self) -> str:
-        s = self.stabilisation
-        if not isinstance(s, SUPG) or self.secondary is None:
-            return "none: no secondary particles are made"
-        return (
-            f"{s.name}, {type(s.fine_scale).__name__}, tau_F {s.tau_F:g} dt, xi_F {s.xi_F:g}, "
-            f"tau_p {s.tau_p:g} dt" + (" (no R_p pass)" if s.tau_p == 0.0 else "")
-            + f"; {len(self.secondary.X)} secondary particles, "
-            f"{self.secondary.pairs.mean_neighbours:.1f} neighbours"
-        )
+        return plan(self)
 
     def memory_bytes(self) -> int:
         """Bytes of all arrays that live during a run."""
-        owners: list[Any] = [self.cloud, self.cloud.pairs, self.cloud.gradients, self.state]
-        owners += [self._rhs, self._rhs.rates, self._stepper]
-        if self.secondary is not None:
-            owners += [self.secondary, self.secondary.pairs, self.secondary.spread_pairs]
-        seen: dict[int, int] = {}
-        for owner in owners:
-            for value in vars(owner).values():
-                arrays = value if isinstance(value, list) else [value]
-                for array in arrays:
-                    if isinstance(array, np.ndarray):
-                        base = array if array.base is None else array.base
-                        seen[id(base)] = getattr(base, "nbytes", array.nbytes)
-        return sum(seen.values())
+        return memory_bytes(self)
 
     def summary(self) -> str:
         """How far the run is and what it cost."""
-        work = self.step * self.cloud.size
-        per = f"{1e9 * self.run_seconds / work:.0f} ns a particle-step" if work else "no steps yet"
-        return (
-            f"{self.name}: t = {self.time:.6g} s, {self.step} steps, {self.cloud.size} particles, "
-            f"set-up {self.setup_seconds:.2f} s, run {self.run_seconds:.2f} s, {per}"
-        )
+        return summary(self)

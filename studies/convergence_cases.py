@@ -94,6 +94,9 @@ def run_case(
             stabilisation=stabilisation,
             operator=OPERATORS[operator],
             angular_momentum=PROJECTIONS[projection],
+            # The paper's integrator and CFL number, so that the orders are those of its scheme.
+            integrator=sph.TVDRK2(),
+            cfl=0.3,
         )
         particles = sim.cloud.size
     errors = period_errors_of(sim)

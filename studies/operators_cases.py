@@ -53,6 +53,7 @@ def _simulation(
         smoothing=SMOOTHING[smoothing],
         h_over_dx=h_over_dx,
         initial_strain=INITIAL_STRAIN[initial_strain],
+        integrator=sph.TVDRK2(),
     )
 
 

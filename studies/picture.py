@@ -32,9 +32,7 @@ def run(folder: ShotFolder, *, cells: int) -> None:
     """Both solvers on the column, ``cells`` a metre, frames at ``TIMES`` [s] into ``folder``."""
     scene, spacing = twisting_column(), 1.0 / cells
     solvers: dict[str, sph.Simulation | fem.Simulation] = {
-        PARTICLES: sph.Simulation(
-            scene, spacing=spacing, formulation=sph.PFJ(), stabilisation=sph.SUPG(tau_p=0.1)
-        ),
+        PARTICLES: sph.Simulation(scene, spacing=spacing, formulation=sph.PFJ()),
         ELEMENTS: fem.Simulation(scene, spacing=spacing),
     }
     for name, solver in solvers.items():

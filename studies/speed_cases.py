@@ -44,6 +44,7 @@ def run_case(
             spacing=1.0 / cells,
             formulation=FORMULATIONS[formulation](),
             stabilisation=stabilisation,
+            integrator=sph.TVDRK2(),
         )
         size = sim.cloud.size
         memory = sim.memory_bytes() / size

@@ -47,13 +47,13 @@ class TVDRK2Stepper:
         self.state = state
         self.essential = essential
         self.account: Account | NoAccount = NoAccount()
-        self._stages = Stages.of(state, rhs.rates, rhs.formulation)
+        self.work = Stages.of(state, rhs.rates, rhs.formulation)
         self._x_star = np.empty_like(state.x if not rhs.formulation.evolves_F else state.x[:0])
 
     def advance(self, dt: float, t: float) -> None:
         """From ``t`` to ``t + dt``; ``rhs.F_x`` belongs to ``state.x`` before and after."""
-        rhs, state, stages = self.rhs, self.state, self._stages
-        step, p_start = dt / rhs.material.density, self._stages.p_start
+        rhs, state, stages = self.rhs, self.state, self.work
+        step, p_start = dt / rhs.material.density, self.work.p_start
 
         rhs.evaluate(state, state.x, dt, t)
         self.account.stage(state, state.x, 0.5 * dt, t)

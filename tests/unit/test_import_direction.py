@@ -14,7 +14,10 @@ PACKAGES = ("sphsolid", "fem_reference", "studies")
 BASE = {"sphsolid.compiled", "sphsolid.errors"}
 _PHYSICS = BASE | {"sphsolid.continuum"}
 _PROBLEM = _PHYSICS | {"sphsolid.scenes"}
-_SPH = _PROBLEM | {"sphsolid.record", "sphsolid.cloud", "sphsolid.scheme", "sphsolid.simulation"}
+_SPH = _PROBLEM | {
+    "sphsolid.record", "sphsolid.cloud", "sphsolid.scheme", "sphsolid.defaults",
+    "sphsolid.describe", "sphsolid.simulation",
+}  # fmt: skip
 #: What each room may import besides itself.  A room that is not here is a new one: decide.
 ALLOWED: dict[str, set[str]] = {
     "sphsolid.compiled": set(),
@@ -24,6 +27,8 @@ ALLOWED: dict[str, set[str]] = {
     "sphsolid.record": _PROBLEM,
     "sphsolid.cloud": _PROBLEM,
     "sphsolid.scheme": _PROBLEM | {"sphsolid.cloud"},
+    "sphsolid.defaults": _PROBLEM | {"sphsolid.cloud", "sphsolid.scheme"},
+    "sphsolid.describe": _SPH,
     "sphsolid.simulation": _SPH,
     "sphsolid": _SPH,
     "fem_reference": _PROBLEM | {"sphsolid.record"},

@@ -17,7 +17,10 @@ STEPS = 200
 
 def path(formulation: Any, scene: Any, **options: Any) -> dict[str, Array]:
     """Final fields after equal steps, without stabilisation unless asked for."""
-    options = {"stabilisation": sph.NoStabilisation(), **options}
+    # Only the paper's integrator moves x and F by the same formula.
+    options = {
+        "stabilisation": sph.NoStabilisation(), "integrator": sph.TVDRK2(), "cfl": 0.3, **options
+    }  # fmt: skip
     sim = sph.Simulation(scene, spacing=0.25, formulation=formulation, **options)
     dt = 0.5 * sim.stable_time_step()
     for _ in range(STEPS):

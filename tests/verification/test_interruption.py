@@ -33,7 +33,7 @@ from sphsolid.record import Energy, Probe, ProgressLine, RunFolder
 from sphsolid.scenes import twisting_column
 method, folder, cfl = sys.argv[1], sys.argv[2], float(sys.argv[3])
 solver = {"sph": sph, "fem": fem}[method]
-sim = solver.Simulation(twisting_column(), spacing=0.5, cfl=cfl)
+sim = solver.Simulation(twisting_column(), spacing=0.25, cfl=cfl)
 sim.run(
     until=float(sys.argv[4]), every=5.0e-4, record=[Energy(), Probe("top_corner")],
     progress=ProgressLine(), output=RunFolder(folder),
@@ -63,7 +63,7 @@ def wait_for_records(folder: Path, count: int, process: Any) -> None:
 
 def simulation(method: str) -> Any:
     solver: Any = {"sph": sph, "fem": fem}[method]
-    return solver.Simulation(twisting_column(), spacing=0.5, cfl=0.3)
+    return solver.Simulation(twisting_column(), spacing=0.25, cfl=0.3)
 
 
 def read_all(folder: Path) -> Any:
@@ -152,7 +152,7 @@ def invalid(sim: Any) -> bool:
 def test_a_lost_solution_is_noticed_in_the_step_that_lost_it(
     formulation: Any, tmp_path: Path
 ) -> None:
-    sim = sph.Simulation(twisting_column(), spacing=0.5, cfl=3.0, formulation=formulation)
+    sim = sph.Simulation(twisting_column(), spacing=0.25, cfl=3.0, formulation=formulation)
     states = []
     advance = sim.advance
 

@@ -88,6 +88,7 @@ def test_displacement_sph_needs_no_projection_but_for_its_second_stage() -> None
                 sph.Displacement(),
                 stabilisation=sph.NoStabilisation(),
                 angular_momentum=sph.NoProjection(),
+                integrator=sph.TVDRK2(),
                 cfl=cfl,
             ),
             steps,

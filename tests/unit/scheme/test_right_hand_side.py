@@ -56,6 +56,7 @@ def disturbed(
         stabilisation=stabilisation,
         operator=sph.Consistent(use="force") if operator is None else operator,
         angular_momentum=projection,
+        integrator=sph.TVDRK2(),
     )
     random = np.random.default_rng(11)
     evolved = [sim.state.F] if formulation.evolves_F else []

@@ -1,0 +1,90 @@
+"""What a simulation says about itself: its plan before, its cost after."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from sphsolid.compiled import description
+from sphsolid.defaults import stable_cfl
+from sphsolid.scheme.stabilisation import SUPG
+
+if TYPE_CHECKING:
+    from sphsolid.simulation import Simulation
+
+
+def plan(sim: Simulation) -> str:
+    """What is active and why, what was chosen by default, what it will cost."""
+    f, c, step = sim.formulation, sim.cloud, sim._time_step
+    cost: dict[str, Any] = description()
+    steps = math.ceil(sim.scene.end_time / step.reference)
+    memory = memory_bytes(sim)
+    lines = [
+        f"scene          {sim.scene.name}: {sim.scene.provenance or 'no provenance given'}",
+        f"particles      {c.size} primary, spacing {c.spacing:.4g} m, "
+        f"{c.pairs.mean_neighbours:.1f} neighbours (support {c.smoothing.support * c.h:.4g} m "
+        f"= {c.smoothing.support * sim.h_over_dx:.3g} dx)",
+        f"operator       {sim.operator.name}, "
+        + ("force and gradient adjoint" if c.gradients.is_adjoint else "not adjoint")
+        + f"; {sim.consistency}",
+        "fields         p, x" + (", F" if f.evolves_F else " (F from the geometry)")
+        + (", H" if f.evolves_H else " (H = cof F)")
+        + (", J" if f.evolves_J else " (J = det F)"),
+        "initial strain " + type(sim.initial_strain).__name__,
+        "projection     " + type(sim.angular_momentum).__name__,
+        "stabilisation  " + _stabilisation(sim),
+        f"integrator     {sim.integrator.name}, CFL {step.cfl:g} ({_limit(sim)}), undeformed step "
+        f"{step.reference:.4g} s, about {steps} steps, {steps * sim.integrator.stages} evaluations",
+        "by default     " + (", ".join(sim.by_default) or "nothing: every option was given"),
+        f"memory         {memory / 1e6:.1f} MB, {memory / c.size:.0f} B a particle",
+        f"threads        {cost['threads']} ({cost['threading_layer']})",
+    ]
+    return "\n".join(lines)
+
+
+def _limit(sim: Simulation) -> str:
+    others = {"formulation", "integrator", "cfl"}
+    if others.union(sim.by_default) >= {"stabilisation", "h_over_dx", "operator", "smoothing"}:
+        limit = stable_cfl(sim.integrator, sim.scene.material)
+        return f"a free lattice block is stable to {limit:g}"
+    return "stability limit not tabulated for these options: python -m studies.stability"
+
+
+def _stabilisation(sim: Simulation) -> str:
+    s = sim.stabilisation
+    if not isinstance(s, SUPG) or sim.secondary is None:
+        return "none: no secondary particles are made"
+    return (
+        f"{s.name}, {type(s.fine_scale).__name__}, tau_F {s.tau_F:g} dt, xi_F {s.xi_F:g}, "
+        f"tau_p {s.tau_p:g} dt" + (" (no R_p pass)" if s.tau_p == 0.0 else "")
+        + f"; {len(sim.secondary.X)} secondary particles, "
+        f"{sim.secondary.pairs.mean_neighbours:.1f} neighbours"
+    )
+
+
+def memory_bytes(sim: Simulation) -> int:
+    """Bytes of all arrays that live during a run."""
+    owners: list[Any] = [sim.cloud, sim.cloud.pairs, sim.cloud.gradients, sim.state]
+    owners += [sim._rhs, sim._rhs.rates, sim._stepper, sim._stepper.work]
+    if sim.secondary is not None:
+        owners += [sim.secondary, sim.secondary.pairs, sim.secondary.spread_pairs]
+    seen: dict[int, int] = {}
+    for owner in owners:
+        for value in vars(owner).values():
+            for array in value if isinstance(value, list) else [value]:
+                if isinstance(array, np.ndarray):
+                    base = array if array.base is None else array.base
+                    seen[id(base)] = getattr(base, "nbytes", array.nbytes)
+    return sum(seen.values())
+
+
+def summary(sim: Simulation) -> str:
+    """How far the run is and what it cost."""
+    work = sim.step * sim.cloud.size
+    per = f"{1e9 * sim.run_seconds / work:.0f} ns a particle-step" if work else "no steps yet"
+    return (
+        f"{sim.name}: t = {sim.time:.6g} s, {sim.step} steps, {sim.cloud.size} particles, "
+        f"set-up {sim.setup_seconds:.2f} s, run {sim.run_seconds:.2f} s, {per}"
+    )
