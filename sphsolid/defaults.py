@@ -16,6 +16,7 @@ Every value comes from a study that can be run again; ``docs/stability.md`` has 
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 from sphsolid.scheme.formulation import Formulation
@@ -31,12 +32,9 @@ H_OVER_DX_DISORDERED = 0.9
 
 _CFL = {TVDRK2: 0.3, SSPRK3: 0.5}
 
-#: Largest stable CFL of a free lattice block with the settings of this file, by Poisson's ratio:
-#: rows of ``reports/stability/limits.csv``, which a test compares.
-STABLE_CFL: dict[type, dict[float, float]] = {
-    TVDRK2: {0.3: 0.22, 0.4999: 0.22},
-    SSPRK3: {0.3: 0.90, 0.4999: 0.60},
-}
+#: Largest stable CFL of a free lattice block with the settings of this file, by integrator and
+#: Poisson's ratio: data, copied from ``reports/stability/limits.csv`` (a test compares them).
+LIMITS = Path(__file__).with_name("stable_cfl.csv")
 
 
 def default_cfl(integrator: Integrator) -> float:
@@ -62,7 +60,8 @@ def poisson_ratio(material: Any) -> float:
 
 def stable_cfl(integrator: Integrator, material: Any) -> float:
     """Measured stability limit of the default settings: that of the next larger ``nu`` tried."""
-    table = STABLE_CFL[type(integrator)]
+    rows = [line.split(",") for line in LIMITS.read_text(encoding="utf-8").split()[1:]]
+    limits = {float(nu): float(cfl) for name, nu, cfl in rows if name == integrator.name}
     nu = poisson_ratio(material)
-    above = [limit for ratio, limit in table.items() if ratio >= nu - 1e-9]
-    return above[0] if above else min(table.values())
+    above = [limits[ratio] for ratio in sorted(limits) if ratio >= nu - 1e-9]
+    return above[0] if above else min(limits.values())

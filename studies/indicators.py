@@ -52,23 +52,31 @@ def _runs(following: NDArray[np.int64]) -> Triples:
     return np.stack([first[inside], middle[inside], last[inside]], axis=1)
 
 
-def pressure_noise(snapshot: Snapshot) -> float:
+def pressure_noise(snapshot: Snapshot, *, above: float = -math.inf) -> float:
     """High-frequency share of the pressure, 0 to 1, in the direction where it is largest.
 
     In a run of three neighbours ``b, a, c`` the part of ``p_a`` that alternates is half its
     distance from the straight line between ``p_b`` and ``p_c``; the share is its root mean square
     over all runs of a direction over that of ``p - mean p``.  A checkerboard, and a saw tooth in
-    one direction, has 1, a linear field 0, a sine of ten spacings 0.1.
+    one direction, has 1, a linear field 0, a sine of ten spacings 0.1.  Only points with
+    ``X_2 > above`` [m] count, which leaves out a clamp and the singular stress at its corners.
     """
     at_vertices = len(snapshot.J) == len(snapshot.X)
     triples = (vertex_triples if at_vertices else cell_triples)(snapshot.mesh)
     p, X = snapshot.pressure, snapshot.stress_X
-    spread = math.sqrt(float(np.average((p - np.average(p, weights=snapshot.stress_V)) ** 2,
-                                        weights=snapshot.stress_V)))  # fmt: skip
+    kept = X[:, 1] > above
+    weights = snapshot.stress_V[kept]
+    if not kept.any():
+        return 0.0
+    mean = np.average(p[kept], weights=weights)
+    spread = math.sqrt(float(np.average((p[kept] - mean) ** 2, weights=weights)))
     if spread == 0.0:
         return 0.0
     shares = [0.0]
-    for b, a, c in (runs.T for runs in triples if len(runs)):
+    for runs in triples:
+        b, a, c = runs[kept[runs].all(axis=1)].T
+        if len(a) == 0:
+            continue
         to_b = np.linalg.norm(X[a] - X[b], axis=1)
         to_c = np.linalg.norm(X[c] - X[a], axis=1)
         between = (to_c * p[b] + to_b * p[c]) / (to_b + to_c)

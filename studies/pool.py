@@ -88,7 +88,10 @@ def run_cases(
 @contextmanager
 def _pool(jobs: int, threads: int) -> Iterator[ProcessPoolExecutor]:
     """Workers with ``threads`` kernel threads; none is left behind, whatever happens."""
-    environment = {"NUMBA_NUM_THREADS": str(threads), "OMP_PROC_BIND": "false"}
+    # Linear algebra too: several processes whose threads wait for each other by spinning took
+    # thirty times as long for the dense spectra.
+    counts = ("NUMBA_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
+    environment = dict.fromkeys(counts, str(threads)) | {"OMP_PROC_BIND": "false"}
     before = {name: os.environ.get(name) for name in environment}
     os.environ.update(environment)
     others = set(multiprocessing.active_children())
