@@ -11,7 +11,8 @@ Every value comes from a study that can be run again; ``docs/stability.md`` has 
   than about ``0.3 h / c_p`` (the paper's ``dt`` at CFL 0.3), and makes energy beyond: half of the
   longer SSP-RK3 step (``studies.stability``).  **xi_F = 0**: a time-integrated residual costs the
   stress its second order at boundaries (``studies.convergence``).  **tau_p = 0.1 dt** where ``J``
-  is evolved: the paper's; it takes the checkerboard out of the pressure (``studies.punch``).
+  is evolved and the solid nearly incompressible: the paper's; it takes the checkerboard out of the
+  pressure (``studies.punch``), but makes energy at smaller ``nu`` (``studies.stability``).
 """
 
 from __future__ import annotations
@@ -30,6 +31,9 @@ Integrator = TVDRK2 | SSPRK3
 H_OVER_DX_LATTICE = 0.77
 H_OVER_DX_DISORDERED = 0.9
 
+#: Poisson's ratio from which ``tau_p`` is used.
+NEARLY_INCOMPRESSIBLE = 0.45
+
 _CFL = {TVDRK2: 0.3, SSPRK3: 0.5}
 
 #: Largest stable CFL of a free lattice block with the settings of this file, by integrator and
@@ -47,15 +51,16 @@ def default_h_over_dx(is_lattice: bool) -> float:
     return H_OVER_DX_LATTICE if is_lattice else H_OVER_DX_DISORDERED
 
 
-def default_stabilisation(formulation: Formulation) -> SUPG:
-    """``SUPG(tau_F=0.5, xi_F=0)``, with ``tau_p = 0.1`` where the formulation evolves ``J``."""
-    return SUPG(tau_F=0.5, xi_F=0.0, tau_p=0.1 if formulation.evolves_J else 0.0)
-
-
 def poisson_ratio(material: Any) -> float:
     """``nu = (3 kappa - 2 mu) / (6 kappa + 2 mu)`` of the undeformed solid."""
     mu, kappa = material.mu, material.kappa
     return float((3.0 * kappa - 2.0 * mu) / (6.0 * kappa + 2.0 * mu))
+
+
+def default_stabilisation(formulation: Formulation, material: Any) -> SUPG:
+    """``SUPG(tau_F=0.5, xi_F=0)``; ``tau_p = 0.1`` where ``J`` is evolved and ``nu >= 0.45``."""
+    damps_J = formulation.evolves_J and poisson_ratio(material) >= NEARLY_INCOMPRESSIBLE
+    return SUPG(tau_F=0.5, xi_F=0.0, tau_p=0.1 if damps_J else 0.0)
 
 
 def stable_cfl(integrator: Integrator, material: Any) -> float:

@@ -88,7 +88,7 @@ class Simulation:
         self.scene = scene
         self.formulation = PF() if formulation is None else formulation
         if isinstance(self.formulation, Formulation) and stabilisation is None:
-            stabilisation = default_stabilisation(self.formulation)
+            stabilisation = default_stabilisation(self.formulation, scene.material)
         check_pair(self.formulation, stabilisation)
         self.stabilisation: Stabilisation = stabilisation
         if smoothing is not None and not hasattr(smoothing, "slope"):

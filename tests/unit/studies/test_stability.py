@@ -1,0 +1,373 @@
+"""The stability study: its criteria, its accounts of energy, its verdicts and one tiny run."""
+
+from __future__ import annotations
+
+import argparse
+import math
+from dataclasses import replace
+from pathlib import Path
+from types import SimpleNamespace
+
+import numpy as np
+import pandas as pd
+import pytest
+
+import fem_reference as fem
+import sphsolid as sph
+from sphsolid.errors import Diverged
+from sphsolid.record import History
+from studies import stability, stability_verdicts
+from studies.document import Document
+from studies.hard_case_figures import maps_of_methods, overview
+from studies.hard_case_judgement import ABSENT, LOST, SOUND, USELESS, cell_text, judge, judged
+from studies.hard_case_methods import BASE, FEM, LONG_STEP, METHODS, REFERENCE, VARIANTS
+from studies.hard_case_runs import energy_balance, run
+from studies.hard_case_scenes import Seed, alternating, block, pulled_block, seeded_block
+from studies.hard_case_watch import COLLAPSED, Watched
+from studies.hard_cases import CASES, KEY_CASES, hard_case_table, hard_cases
+from studies.results import Results
+from studies.stability_verdicts import NO, PARTLY, STABILISED, UNKNOWN, YES
+
+GOOD = {
+    "case": "column", "method": BASE.name, "step": "usual", "cfl": 0.3, "applicable": None,
+    "survived": True, "reason": "", "lost_time": math.nan, "end_time": 0.1, "energy_kept": 0.98,
+    "energy_gain": 0.0, "J_min": 0.99, "J_max": 1.02, "noise_end": 0.1, "answer": 6.0,
+    "answer_is": "largest twist [rad]", "clumping": math.nan,
+}  # fmt: skip
+SEEDED = GOOD | {"answer": 0.1, "answer_is": "seed left [-]", "energy_kept": 0.04}
+TENSION = GOOD | {"answer": 1.0, "answer_is": "noise growth [-]", "clumping": 0.01}
+
+
+@pytest.mark.parametrize(
+    ("row", "reference", "verdict", "why"),
+    [
+        (GOOD, 6.1, SOUND, ""),
+        (GOOD, math.nan, SOUND, ""),
+        (GOOD | {"survived": False, "reason": "negative Jacobian", "lost_time": 0.04}, 6.0, LOST,
+         "negative Jacobian at 0.04 s"),
+        (GOOD | {"applicable": False, "reason": "none"}, 6.0, ABSENT, "none"),
+        (GOOD | {"energy_gain": 0.11}, 6.0, USELESS, "made 0.11 of the energy"),
+        (GOOD | {"energy_gain": math.nan}, 6.0, USELESS, "made nan of the energy"),
+        (GOOD | {"energy_kept": 0.4}, 6.0, USELESS, "kept 40% of the energy"),
+        (GOOD | {"J_min": 0.3}, 6.0, USELESS, "J 0.30 to 1.02"),
+        (GOOD | {"J_max": 1.6}, 6.0, USELESS, "J 0.99 to 1.60"),
+        (GOOD, 5.0, USELESS, "answer off by +20%"),
+        (GOOD, 7.5, USELESS, "answer off by -20%"),
+        (SEEDED, math.nan, SOUND, ""),
+        (SEEDED | {"energy_gain": 0.4}, math.nan, SOUND, ""),
+        (SEEDED | {"energy_gain": 3.0}, math.nan, USELESS, "made 3 of the energy"),
+        (SEEDED | {"answer": 1.5}, math.nan, USELESS, "seed grew 1.5-fold"),
+        (TENSION, math.nan, SOUND, ""),
+        (TENSION | {"answer": 30.0}, math.nan, USELESS, "noise grew 30-fold, edges by 1%"),
+        (TENSION | {"clumping": 0.2}, math.nan, USELESS, "noise grew 1-fold, edges by 20%"),
+    ],
+)  # fmt: skip
+def test_every_criterion_decides(row, reference, verdict, why):
+    assert judge(row, reference) == (verdict, why)
+
+
+def test_the_reference_is_that_of_the_case_it_is_shared_with():
+    table = pd.DataFrame(
+        [GOOD, GOOD | {"case": "jittered", "answer": 9.0},
+         GOOD | {"method": REFERENCE.name, "answer": 6.2}]
+    )  # fmt: skip
+    found = judged(table, {"column": "column", "jittered": "column"}, REFERENCE.name)
+    assert found["reference"].tolist() == [6.2, 6.2, 6.2]
+    assert found["deviation"].to_numpy() == pytest.approx([6.0 / 6.2 - 1, 9.0 / 6.2 - 1, 0.0])
+    assert found["verdict"].tolist() == [SOUND, USELESS, SOUND]
+
+
+def test_a_lost_reference_judges_nothing():
+    lost = GOOD | {"method": REFERENCE.name, "survived": False, "lost_time": 0.01}
+    found = judged(pd.DataFrame([GOOD, lost]), {"column": "column"}, REFERENCE.name)
+    assert found["reference"].isna().all()
+    assert found["verdict"].tolist() == [SOUND, LOST]
+
+
+@pytest.mark.parametrize(
+    ("row", "text"),
+    [
+        (GOOD | {"verdict": SOUND}, "98 %"),
+        (SEEDED | {"verdict": SOUND}, "x 0.2"),
+        (SEEDED | {"verdict": USELESS, "energy_kept": 4.0e10}, "x 2e5"),
+        (TENSION | {"verdict": USELESS, "answer": 101.7}, "x 102"),
+        (GOOD | {"verdict": LOST, "lost_time": 0.034}, "lost 34 %"),
+        (GOOD | {"verdict": ABSENT}, "–"),
+    ],
+)
+def test_cells_say_the_telling_number(row, text):
+    assert cell_text(row) == text
+
+
+def ledger(**columns):
+    names = ["total_energy", "work_traction", "work_body_force", "work_constraint",
+             "work_projection", "work_adjoint_defect", "dissipation_p", "dissipation_J",
+             "energy_rest"]  # fmt: skip
+    size = len(next(iter(columns.values())))
+    return History(
+        pd.DataFrame({f"{name} [J]": columns.get(name, np.zeros(size)) for name in names})
+    )
+
+
+def test_shares_are_of_what_was_put_in():
+    found = energy_balance(
+        ledger(
+            total_energy=np.array([10.0, 26.0, 27.0]), work_constraint=np.array([0.0, 10.0, 20.0]),
+            dissipation_p=np.array([0.0, 0.0, -6.0]), dissipation_J=np.array([0.0, 0.0, 1.5]),
+            energy_rest=np.array([0.0, 6.0, 1.5]),
+        )
+    )  # fmt: skip
+    assert found["energy_kept"] == pytest.approx(27.0 / 30.0)
+    assert found["energy_gain"] == pytest.approx(6.0 / 20.0)
+    assert found["dissipated_p"] == pytest.approx(0.2)
+    assert found["dissipated_J"] == pytest.approx(-0.05)
+    assert found["energy_rest"] == pytest.approx(0.05)
+    assert found["energy_projection"] == found["energy_defect"] == 0.0
+
+
+def test_work_taken_out_again_does_not_make_the_scale_small():
+    found = energy_balance(
+        ledger(total_energy=np.array([0.0, 9.0, 1.5]), work_constraint=np.array([0.0, 10.0, 1.0]))
+    )
+    assert found["energy_kept"] == pytest.approx(0.15)
+    assert found["energy_gain"] == pytest.approx(0.05)
+
+
+def test_patterns_alternate_as_they_say():
+    X = np.array([[0.0, 0.0, 0.0], [0.5, 0.0, 0.0], [0.5, 0.5, 0.0], [0.5, 0.5, 0.5]])
+    assert alternating(X, 0.5).tolist() == [1, -1, 1, -1]
+    assert Seed("sawtooth", 2.0, 0.5)(X)[:, 0].tolist() == [2, -2, -2, -2]
+    assert Seed("hourglass", 2.0, 0.5)(X)[:, 0].tolist() == [2, -2, 2, -2]
+    noise = Seed("noise", 2.0, 0.5)
+    assert np.array_equal(noise(X), noise(X))
+
+
+@pytest.mark.parametrize(("pattern", "seen"), [("sawtooth", True), ("hourglass", False)])
+def test_patterns_hide_where_they_are_said_to(pattern, seen):
+    """No gradient at inner particles; at cell centroids only the saw tooth has one."""
+    sim = sph.Simulation(block(), spacing=0.125)
+    seed = Seed(pattern, 1.0, 0.125)(sim.cloud.X)
+    F = np.empty_like(sim.state.F)
+    sim._rhs.kinematic_gradient(seed, 1.0, F)
+    inner = np.all((sim.cloud.X > 0.45) & (sim.cloud.X < 0.55), axis=1)
+    assert np.abs(F[inner]).max() < 1e-10
+    cell = seed[sim.cloud.mesh.cells][:, :, 0]
+    across = cell[:, [1, 2, 5, 6]].mean(axis=1) - cell[:, [0, 3, 4, 7]].mean(axis=1)
+    assert np.allclose(np.abs(across), 2.0 if seen else 0.0)
+
+
+def test_the_pulled_block_is_pulled_at_both_ends():
+    scene = pulled_block(noisy=True)
+    ends = np.array([[0.0, 0.2, 0.2], [1.0, 0.2, 0.2]])
+    held = [constraint.velocity(ends, 0.05)[:, 0] for constraint in scene.constraints]
+    assert np.array_equal(held[0], [-5.0, 5.0])
+    assert 1.0 + (held[0][1] - held[0][0]) * scene.end_time == pytest.approx(2.0)
+    clean, noisy = (pulled_block(noisy=n).initial_velocity(ends) for n in (False, True))
+    assert 0.0 < np.abs(noisy - clean).max() < 2.0
+
+
+def test_a_collapsing_step_is_a_lost_solution(monkeypatch):
+    sim = sph.Simulation(seeded_block(pattern="noise", spacing=0.5), spacing=0.5)
+    watched = Watched(sim)
+    first = watched.stable_time_step()
+    watched.advance(first)
+    watched.time = 2.0 * first
+    assert (sim.time, sim.step, watched.step) == (2.0 * first, 1, 1)
+    sim.state.F[:] = np.diag([1.0, 0.02, 50.0])
+    assert watched.stable_time_step() == sim.stable_time_step()
+    bar = fem.Simulation(block(), spacing=0.5)
+    elements = Watched(bar)
+    monkeypatch.setattr(bar, "stable_time_step", lambda: 0.5 * COLLAPSED * first)
+    with pytest.raises(Diverged, match="step collapsed") as lost:
+        elements.stable_time_step()
+    assert (lost.value.step, lost.value.time) == (0, 0.0)
+
+
+def test_the_list_of_cases_is_whole():
+    full, quick = hard_cases(False), hard_cases(True)
+    keys = [case.key for case in full]
+    assert len(set(keys)) == len(keys)
+    assert {case.name for case in CASES} >= set(KEY_CASES)
+    for case in CASES:
+        mine = [c for c in full if c.arguments["case"] == case.name]
+        ours = [c for c in mine if c.arguments["method"]["name"] in {m.name for m in METHODS}]
+        assert len(ours) == len(METHODS) * (2 if case.name in KEY_CASES else 1)
+    assert {case.arguments["case"] for case in quick} < {case.name for case in CASES}
+    longer = {c.arguments["method"]["cfl"] for c in full if c.arguments["step"] == "longer"}
+    assert longer == {round(LONG_STEP * method.cfl, 10) for method in METHODS}
+    assert sum(case.cost for case in quick) < 0.1 * sum(case.cost for case in full)
+
+
+def tabled(*rows):
+    frame = pd.DataFrame([*rows])
+    return judged(frame, {}, REFERENCE.name)
+
+
+def runs(case, verdicts, **more):
+    """One row a stabilised method, sound, useless or lost in turn."""
+    change = {
+        SOUND: {}, USELESS: {"energy_gain": 5.0},
+        LOST: {"survived": False, "lost_time": 0.01, "reason": "negative Jacobian"},
+    }  # fmt: skip
+    return [
+        GOOD | {"case": case, "method": method} | more | change[verdict]
+        for method, verdict in zip(STABILISED, verdicts, strict=False)
+    ]
+
+
+ALL, NONE = [SOUND] * len(STABILISED), [LOST] * len(STABILISED)
+SOME = [USELESS, SOUND] + [LOST] * (len(STABILISED) - 2)
+
+
+@pytest.mark.parametrize(
+    ("decide", "case"),
+    [
+        (stability_verdicts.seeds_decay, "seeded noise"),
+        (stability_verdicts.tension_is_stable, "pulled to stretch 2"),
+        (stability_verdicts.all_survive, "punch, held"),
+    ],
+)
+def test_three_verdicts_and_none(decide, case):
+    assert decide(tabled(*runs("other", ALL)))[0] == UNKNOWN
+    assert decide(tabled(*runs(case, ALL)))[0] == YES
+    assert decide(tabled(*runs(case, SOME)))[0] == PARTLY
+    assert decide(tabled(*runs(case, NONE)))[0] == NO
+
+
+def test_surviving_uselessly_is_only_a_part():
+    found = stability_verdicts.all_survive(tabled(*runs("punch, held", [SOUND, USELESS])))
+    assert found[0] == PARTLY
+    assert "2 of 2 ran to the end, 1 of them useless" in found[1]
+
+
+def test_every_case_needs_a_method_and_one_method_for_all_more():
+    one = runs("a", [SOUND, LOST])
+    other = runs("b", [LOST, SOUND])
+    every, same = (
+        stability_verdicts.every_case_has_a_method, stability_verdicts.one_method_for_all,
+    )  # fmt: skip
+    assert every(tabled(*one, *other))[0] == YES
+    assert same(tabled(*one, *other))[0] == PARTLY
+    assert same(tabled(*one))[0] == YES
+    assert every(tabled(*one, *runs("c", NONE)))[0] == PARTLY
+    assert "none sound: c" in every(tabled(*one, *runs("c", NONE)))[1]
+    assert every(tabled(*runs("c", NONE)))[0] == same(tabled(*runs("c", NONE)))[0] == NO
+
+
+def test_what_was_not_run_is_not_reproduced():
+    table = tabled(*runs("a", ALL))
+    whole = stability_verdicts.verdicts(table, ["a"]).set_index("claim")
+    short = stability_verdicts.verdicts(table, ["a", "b"]).set_index("claim")
+    claim = "one setting is sound in every case"
+    assert (whole["verdict"][claim], short["verdict"][claim]) == (YES, PARTLY)
+    assert short["decided by"][claim].endswith("1 of 2 cases were not run")
+
+
+def test_a_setting_put_to_few_cases_is_not_the_best():
+    few = [GOOD | {"case": "a", "method": VARIANTS[0].name}]
+    table = tabled(*runs("a", [SOUND]), *runs("b", [LOST]), *few)
+    assert stability_verdicts.one_method_for_all(table)[0] == PARTLY
+
+
+def test_cures_are_named():
+    seeds = [
+        *runs("seeded noise", NONE),
+        GOOD | {"case": "seeded noise", "method": VARIANTS[0].name},
+        GOOD | {"case": "seeded noise", "method": VARIANTS[1].name, "energy_gain": 9.0},
+    ]
+    text = stability_verdicts.seeds_decay(tabled(*seeds))[1]
+    assert text.endswith(f"changes that cure it: {VARIANTS[0].name}")
+
+
+@pytest.mark.parametrize(
+    ("without", "plain", "verdict"),
+    [(0.3, 0.4, YES), (0.1, 0.4, PARTLY), (0.1, 0.1, NO)],
+)
+def test_the_pressure_term_is_judged_by_the_noise(without, plain, verdict):
+    noise = {BASE.name: 0.1, "tau_p 0": without, "{p,F,J} unstabilised": plain}
+    table = tabled(
+        *(GOOD | {"case": "punch, initial", "method": name, "noise_end": value}
+          for name, value in noise.items())
+    )  # fmt: skip
+    assert stability_verdicts.pressure_term_smooths(table)[0] == verdict
+    assert stability_verdicts.pressure_term_smooths(table[:2])[0] == UNKNOWN
+
+
+def test_a_longer_step_is_judged_by_what_was_sound():
+    usual = runs("a", [SOUND, SOUND, LOST])
+    decide = stability_verdicts.longer_step_is_safe
+    for verdicts, expected in ((ALL, YES), ([SOUND, LOST], PARTLY), (NONE, NO)):
+        longer = runs("a", [*verdicts][:3], step="longer")
+        assert decide(tabled(*usual, *longer))[0] == expected
+    assert decide(tabled(*usual))[0] == UNKNOWN
+
+
+@pytest.fixture(scope="module")
+def rows():
+    """A seed with two methods on three cells, one of them far beyond its stable step."""
+    seed = {
+        "case": "seeded sawtooth", "kind": "seeded", "cells": 3,
+        "arguments": {"pattern": "sawtooth"},
+    }  # fmt: skip
+    wild = replace(BASE, cfl=3.0)
+    checkerboard = {"case": "seeded checkerboard", "kind": "checkerboard", "cells": 2,
+                    "arguments": {}}  # fmt: skip
+    return [
+        *run(method=FEM.arguments(), step="usual", **seed),
+        *run(method=wild.arguments(), step="longer", **seed),
+        *run(method=FEM.arguments(), step="usual", **checkerboard),
+        *run(method=replace(BASE, cfl=0.1).arguments(), step="usual", **checkerboard),
+    ]
+
+
+@pytest.mark.filterwarnings("ignore::RuntimeWarning")
+def test_a_run_is_a_row(rows):
+    kept, lost, absent, seeded = rows
+    assert kept["survived"]
+    assert 0.0 < kept["energy_kept"] < 1.5
+    assert kept["noise_end"] > 0.0
+    assert not lost["survived"]
+    assert 0.0 < lost["lost_time"] < lost["end_time"]
+    assert lost["lost_step"] >= 1
+    assert lost["reason"]
+    assert absent["applicable"] is False
+    assert seeded["answer"] < 1.0
+    assert seeded["energy_gain"] < 1e-3
+    assert seeded["dissipated_J"] > 0.1
+
+
+def test_the_report_is_made_from_the_rows(rows, tmp_path: Path):
+    tables = stability.tables(rows)
+    assert tables["table"]["verdict"].tolist() == [SOUND, LOST, ABSENT, SOUND]
+    assert len(tables["verdicts"]) == len(stability_verdicts.CLAIMS)
+    path = tmp_path / "table.csv"
+    tables["table"].to_csv(path, index=False)
+    again = dict(tables) | {"table": pd.read_csv(path)}
+    run_json = SimpleNamespace(
+        commit="", sources_modified=False, command="", date_utc="", wall_s=1.0, cases=4,
+        cases_failed=0, cases_resumed=0, version="0", source_hash="", python="", packages={},
+        cpu="", cores=1, system="", jobs=1, threads_per_job=1, mode="quick",
+    )  # fmt: skip
+    failures = pd.DataFrame(columns=["key", "failure", "message", "wall_s"])
+    document = stability.report(Results(tmp_path, again, failures, vars(run_json)))
+    assert isinstance(document, Document)
+    assert (tmp_path / "hard_cases.png").stat().st_size > 5_000
+    assert "sound" in stability.summary(tables)
+
+
+def test_heat_maps_take_any_table(rows, tmp_path: Path):
+    table = hard_case_table(rows)
+    names = [method.name for method in METHODS]
+    assert overview(table, tmp_path, name="all", methods=names, title="").with_suffix(
+        ".png"
+    ).exists()
+    assert len(maps_of_methods(table, tmp_path, names)) == 1
+
+
+def test_parts_choose_what_runs():
+    def keys(part):
+        options = argparse.Namespace(quick=True, part=part)
+        return {case.key for case in stability.cases(options)}
+
+    assert keys("both") == keys("hard") | keys("spectrum")
+    assert not keys("hard") & keys("spectrum")
