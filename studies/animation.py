@@ -21,11 +21,11 @@ import fem_reference as fem
 import sphsolid as sph
 from sphsolid import scenes
 from sphsolid.errors import Diverged, InputError, require
-from studies.colours import LOOKS, ColourRange, limits
-from studies.panels import SURFACE, WHOLE, Layout, Sheet, check_grid, flat
-from studies.shots import Frame, Lost, Shot, ShotFolder, take_shot, write_whole
-from studies.surface import Drawing
-from studies.view import Around, View, Window, angled_view, flat_view
+from studies.pictures.colours import LOOKS, ColourRange, limits
+from studies.pictures.panels import SURFACE, WHOLE, Layout, Sheet, check_grid, flat
+from studies.pictures.shots import Frame, Lost, Shot, ShotFolder, take_shot, write_whole
+from studies.pictures.surface import Drawing
+from studies.pictures.view import Around, View, Window, angled_view, flat_view
 
 #: Small: a GIF is to be looked at in a browser.
 SMALL = Layout(width=4.0, height=4.5, dpi=95)

@@ -18,10 +18,10 @@ import fem_reference as fem
 import sphsolid as sph
 from sphsolid.errors import InputError
 from sphsolid.scenes import twisting_column
-from studies.cases import ROOT
-from studies.colours import limits
-from studies.panels import Layout, panel_figure
-from studies.shots import Frame, SaveShots, ShotFolder
+from studies.harness.cases import ROOT
+from studies.pictures.colours import limits
+from studies.pictures.panels import Layout, panel_figure
+from studies.pictures.shots import Frame, SaveShots, ShotFolder
 
 PAPER = Layout(width=9.5, height=6.4, dpi=140)
 TIMES = (0.0, 0.03, 0.06, 0.1)

@@ -15,8 +15,8 @@ from sphsolid.errors import Diverged
 from sphsolid.record import Snapshot, angular_momentum, linear_momentum
 from sphsolid.scenes import Box, Scene, swinging_cube
 from sphsolid.scheme.formulation import Formulation
-from studies.convergence_cases import period_errors_of
-from studies.order import last_order
+from studies.convergence.cases import period_errors_of
+from studies.report.order import last_order
 from tests.oracles.blocks import AFFINE, MOONEY, stress_of, stretched_block
 
 Array = NDArray[np.float64]

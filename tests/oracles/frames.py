@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from sphsolid.scenes import Box
-from studies.shots import Shot
+from studies.pictures.shots import Shot
 
 
 def box_shot(

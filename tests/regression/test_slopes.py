@@ -15,8 +15,8 @@ from typing import Any
 
 import pytest
 
-from studies.convergence_cases import run_case
-from studies.order import fit_order, last_order
+from studies.convergence.cases import run_case
+from studies.report.order import fit_order, last_order
 
 Case = dict[str, Any]
 SLOPES = tomllib.loads((Path(__file__).parent / "slopes.toml").read_text(encoding="utf-8"))

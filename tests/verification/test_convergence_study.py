@@ -12,13 +12,16 @@ import pytest
 
 import sphsolid as sph
 from sphsolid.scenes import twisting_column
-from studies import convergence, operators_cases, speed, speed_cases
-from studies.cases import ROOT
-from studies.convergence_verdicts import verdict_table
-from studies.document import Document
-from studies.front import main
-from studies.readme_table import BEGIN, END, results_table, with_table
-from studies.results import Results, read_results
+from studies.convergence import study as convergence
+from studies.convergence.verdicts import verdict_table
+from studies.harness.cases import ROOT
+from studies.harness.front import main
+from studies.harness.results import Results, read_results
+from studies.operators import cases as operators_cases
+from studies.report.document import Document
+from studies.report.readme_table import BEGIN, END, results_table, with_table
+from studies.speed import cases as speed_cases
+from studies.speed import study as speed
 
 
 @pytest.fixture(scope="module")

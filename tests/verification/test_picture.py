@@ -9,7 +9,7 @@ import pytest
 from PIL import Image
 
 from studies import picture
-from studies.shots import ShotFolder
+from studies.pictures.shots import ShotFolder
 
 
 def test_the_picture_is_drawn_and_drawn_again(

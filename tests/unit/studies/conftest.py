@@ -10,12 +10,12 @@ from pathlib import Path
 import pandas as pd
 import pytest
 
-from studies.cases import Case
-from studies.document import Document, Figure, Paragraph, Section, Table
-from studies.front import Results, Study
-from studies.order import order_table
-from studies.plotting import Curve, convergence_panel, outside_legend, panels, save_figure
-from studies.standard_sections import subtitle, what_failed, what_was_run
+from studies.harness.cases import Case
+from studies.harness.front import Results, Study
+from studies.report.document import Document, Figure, Paragraph, Section, Table
+from studies.report.order import order_table
+from studies.report.plotting import Curve, convergence_panel, outside_legend, panels, save_figure
+from studies.report.standard_sections import subtitle, what_failed, what_was_run
 
 HERE = str(Path(__file__).resolve().parent)
 
@@ -31,7 +31,7 @@ def _workers_find_the_cases(monkeypatch):
 @pytest.fixture(autouse=True)
 def _kernel_cache_of_its_own(monkeypatch, tmp_path):
     """Marks of finished warm-ups go to a folder of this test."""
-    monkeypatch.setattr("studies.warm_up.CACHE_DIR", tmp_path / "cache")
+    monkeypatch.setattr("studies.harness.warm_up.CACHE_DIR", tmp_path / "cache")
 
 
 def tables(rows):

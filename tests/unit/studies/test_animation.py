@@ -10,10 +10,10 @@ from PIL import Image
 
 from sphsolid.errors import InputError
 from studies.animation import main, write_gif
-from studies.colours import limits
-from studies.panels import Layout
-from studies.shots import Lost, ShotFolder, save_shot
-from studies.surface import Surface
+from studies.pictures.colours import limits
+from studies.pictures.panels import Layout
+from studies.pictures.shots import Lost, ShotFolder, save_shot
+from studies.pictures.surface import Surface
 from tests.oracles.frames import box_shot, twisted
 
 LOOK = {"layout": Layout(width=2.5, height=2.5, dpi=60), "drawing": Surface(detail=1)}

@@ -7,8 +7,8 @@ import pytest
 from matplotlib.figure import Figure
 
 from sphsolid.errors import InputError
-from studies.colours import LOOKS, ColourRange, limits
-from studies.shots import Absent
+from studies.pictures.colours import LOOKS, ColourRange, limits
+from studies.pictures.shots import Absent
 from tests.oracles.frames import box_shot
 
 

@@ -12,15 +12,15 @@ import pandas as pd
 import pytest
 
 from sphsolid.scenes import l_shaped_block
-from studies import conservation
-from studies.conservation_runs import CUBE, ELEMENTS, PAPER, block_cases, cube_cases, tiny
-from studies.conservation_verdicts import (
+from studies.conservation import study as conservation
+from studies.conservation.runs import CUBE, ELEMENTS, PAPER, block_cases, cube_cases, tiny
+from studies.conservation.verdicts import (
     pressure_verdicts,
     rest_orders,
     undeformed_impulse,
     verdicts,
 )
-from studies.front import main
+from studies.harness.front import main
 
 NOTHING = pd.DataFrame(columns=conservation.COLUMNS["cube"])
 GOOD = {

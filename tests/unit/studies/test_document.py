@@ -12,7 +12,7 @@ import pandas as pd
 import pytest
 
 from sphsolid.errors import InputError
-from studies.document import (
+from studies.report.document import (
     Bullets,
     Document,
     Figure,
@@ -22,10 +22,10 @@ from studies.document import (
     format_cell,
     pieces,
 )
-from studies.document_pdf import write_pdf
-from studies.document_typst import markup, quote
-from studies.plotting import panels, save_figure
-from studies.standard_sections import what_failed
+from studies.report.document_pdf import write_pdf
+from studies.report.document_typst import markup, quote
+from studies.report.plotting import panels, save_figure
+from studies.report.standard_sections import what_failed
 
 ENGINES = [
     pytest.param(

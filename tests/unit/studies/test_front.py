@@ -13,12 +13,12 @@ import time
 import pandas as pd
 import pytest
 
-from studies import cases as cases_module
-from studies import front
-from studies.cases import Case, Outcome, case_hash, execute, load, partial_path, store
-from studies.front import main
-from studies.pool import longest_first, run_cases
-from studies.progress import Estimate, duration
+from studies.harness import cases as cases_module
+from studies.harness import front
+from studies.harness.cases import Case, Outcome, case_hash, execute, load, partial_path, store
+from studies.harness.front import main
+from studies.harness.pool import longest_first, run_cases
+from studies.harness.progress import Estimate, duration
 
 
 def power(h, *, log="", cost=1.0, order=2.0):
@@ -177,8 +177,8 @@ def test_ctrl_c_keeps_what_is_done(tmp_path):
         textwrap.dedent("""
             import sys
             from conftest import report, tables
-            from studies.cases import Case
-            from studies.front import Study, main
+            from studies.harness.cases import Case
+            from studies.harness.front import Study, main
 
             def cases(options):
                 law = {"h": 0.25, "order": 2.0}

@@ -8,13 +8,13 @@ import numpy as np
 import pytest
 
 from sphsolid.errors import InputError
-from studies.colours import limits
-from studies.headings import headings, time_stamp
-from studies.panels import Layout, by_label_and_time, panel_figure, turned
-from studies.plotting import save_figure
-from studies.shots import Absent, Lost
-from studies.surface import Particles, Surface
-from studies.view import Around, flat_view
+from studies.pictures.colours import limits
+from studies.pictures.headings import headings, time_stamp
+from studies.pictures.panels import Layout, by_label_and_time, panel_figure, turned
+from studies.pictures.shots import Absent, Lost
+from studies.pictures.surface import Particles, Surface
+from studies.pictures.view import Around, flat_view
+from studies.report.plotting import save_figure
 from tests.oracles.frames import box_shot, twisted
 
 COARSE = Surface(detail=1)

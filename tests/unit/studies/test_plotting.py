@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from studies.plotting import (
+from studies.report.plotting import (
     Curve,
     convergence_panel,
     method_look,

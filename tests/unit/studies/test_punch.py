@@ -13,12 +13,15 @@ import pytest
 
 import sphsolid as sph
 from sphsolid.errors import InputError
-from studies import punch, punch_cases, punch_cost, punch_tables
-from studies.cases import ROOT
-from studies.document import Document, Figure
-from studies.punch_methods import DISPLACEMENT, FEM, GALERKIN, H1, H6, METHODS, TOOLKIT, toolkit
-from studies.results import Results
-from studies.shots import Lost, Shot, ShotFolder
+from studies.harness.cases import ROOT
+from studies.harness.results import Results
+from studies.pictures.shots import Lost, Shot, ShotFolder
+from studies.punch import cases as punch_cases
+from studies.punch import cost as punch_cost
+from studies.punch import study as punch
+from studies.punch import tables as punch_tables
+from studies.punch.methods import DISPLACEMENT, FEM, GALERKIN, H1, H6, METHODS, TOOLKIT, toolkit
+from studies.report.document import Document, Figure
 
 CELLS = 10
 
@@ -157,7 +160,7 @@ def test_the_full_study_covers_what_the_paper_shows(tmp_path: Path) -> None:
     options = argparse.Namespace(quick=False, cells=20, out=tmp_path)
     listed = punch.cases(options)
     assert len({case.key for case in listed}) == len(listed)
-    runs = [case.arguments for case in listed if case.run.endswith("punch_cases:run_case")]
+    runs = [case.arguments for case in listed if case.run.endswith("punch.cases:run_case")]
     assert {run["press"] for run in runs} == set(punch_cases.PRESSES)
     assert {run["method"] for run in runs} == set(METHODS)
     assert {run["cells"] for run in runs} == {20, 40, 60, 80}

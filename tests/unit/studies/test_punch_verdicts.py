@@ -7,7 +7,7 @@ from typing import Any
 import pandas as pd
 import pytest
 
-from studies.punch_methods import (
+from studies.punch.methods import (
     DISPLACEMENT,
     FEM,
     GALERKIN,
@@ -17,8 +17,8 @@ from studies.punch_methods import (
     TOOLKIT,
     without_tau_F,
 )
-from studies.punch_tables import COST, MEASURED, RUN
-from studies.punch_verdicts import Verdict, of_parts, verdict_table, verdicts
+from studies.punch.tables import COST, MEASURED, RUN
+from studies.punch.verdicts import Verdict, of_parts, verdict_table, verdicts
 
 #: A world in which the paper is right in everything.
 NOISE = {

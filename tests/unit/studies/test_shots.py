@@ -9,8 +9,8 @@ import pytest
 
 from sphsolid.errors import Diverged, InputError
 from sphsolid.scenes import Box
-from studies import shots
-from studies.shots import KEPT, Lost, SaveShots, ShotFolder, load_shot, save_shot
+from studies.pictures import shots
+from studies.pictures.shots import KEPT, Lost, SaveShots, ShotFolder, load_shot, save_shot
 from tests.oracles.frames import box_shot, twisted
 
 NOISY = {"move": twisted(0.3), "field": lambda x: np.random.default_rng(3).normal(size=len(x))}

@@ -11,15 +11,15 @@ from sphsolid.continuum.tensor import cofactor, determinant, join, split
 from sphsolid.errors import InputError
 from sphsolid.scenes.body import Box
 from sphsolid.scenes.scene import Scene, Traction
-from studies.cases import execute
-from studies.plotting import style
-from studies.spectrum import Linearisation
-from studies.spectrum_cases import BODIES, contraction, simulation
-from studies.spectrum_growth import decades, largest_modulus, limits
-from studies.spectrum_modes import lattice_places, name_of_wave, shape
-from studies.spectrum_report import spectrum_sections
-from studies.spectrum_scan import DEFAULT, SCANS, _case, spectrum_cases, spectrum_tables
-from studies.spectrum_symbol import Symbol
+from studies.harness.cases import execute
+from studies.report.plotting import style
+from studies.stability.spectrum import Linearisation
+from studies.stability.spectrum_cases import BODIES, contraction, simulation
+from studies.stability.spectrum_growth import decades, largest_modulus, limits
+from studies.stability.spectrum_modes import lattice_places, name_of_wave, shape
+from studies.stability.spectrum_report import spectrum_sections
+from studies.stability.spectrum_scan import DEFAULT, SCANS, _case, spectrum_cases, spectrum_tables
+from studies.stability.spectrum_symbol import Symbol
 
 PLAIN = DEFAULT | {
     "integrator": "TVD-RK2", "formulation": "{p,F}", "nu": 0.3, "tau_p": 0.0, "tau_F": 1.0,

@@ -16,17 +16,26 @@ import fem_reference as fem
 import sphsolid as sph
 from sphsolid.errors import Diverged
 from sphsolid.record import History
-from studies import stability, stability_verdicts
-from studies.document import Document
-from studies.hard_case_figures import maps_of_methods, overview
-from studies.hard_case_judgement import ABSENT, LOST, SOUND, USELESS, cell_text, judge, judged
-from studies.hard_case_methods import BASE, FEM, LONG_STEP, METHODS, REFERENCE, VARIANTS
-from studies.hard_case_runs import energy_balance, run
-from studies.hard_case_scenes import Seed, alternating, block, pulled_block, seeded_block
-from studies.hard_case_watch import COLLAPSED, Watched
-from studies.hard_cases import CASES, KEY_CASES, hard_case_table, hard_cases
-from studies.results import Results
-from studies.stability_verdicts import NO, PARTLY, STABILISED, UNKNOWN, YES
+from studies.harness.results import Results
+from studies.report.document import Document
+from studies.stability import study as stability
+from studies.stability import verdicts as stability_verdicts
+from studies.stability.hard_case_figures import maps_of_methods, overview
+from studies.stability.hard_case_judgement import (
+    ABSENT,
+    LOST,
+    SOUND,
+    USELESS,
+    cell_text,
+    judge,
+    judged,
+)
+from studies.stability.hard_case_methods import BASE, FEM, LONG_STEP, METHODS, REFERENCE, VARIANTS
+from studies.stability.hard_case_runs import energy_balance, run
+from studies.stability.hard_case_scenes import Seed, alternating, block, pulled_block, seeded_block
+from studies.stability.hard_case_watch import COLLAPSED, Watched
+from studies.stability.hard_cases import CASES, KEY_CASES, hard_case_table, hard_cases
+from studies.stability.verdicts import NO, PARTLY, STABILISED, UNKNOWN, YES
 
 GOOD = {
     "case": "column", "method": BASE.name, "step": "usual", "cfl": 0.3, "applicable": None,

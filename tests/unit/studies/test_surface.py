@@ -10,9 +10,9 @@ from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 
 from sphsolid.errors import InputError
-from studies import surface
-from studies.surface import NoWireframe, Particles, Surface, Wireframe, seen_faces
-from studies.view import Around, angled_view, flat_view
+from studies.pictures import surface
+from studies.pictures.surface import NoWireframe, Particles, Surface, Wireframe, seen_faces
+from studies.pictures.view import Around, angled_view, flat_view
 from tests.oracles.frames import box_shot, horseshoe, twisted
 
 PLAIN = Surface(lines=NoWireframe(), shading=0.0, detail=20000)

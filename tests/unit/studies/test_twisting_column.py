@@ -15,14 +15,13 @@ import pytest
 import fem_reference as fem
 import sphsolid as sph
 from sphsolid.scenes import twisting_column as column_scene
-from studies import twisting_column as study
-from studies import twisting_column_cases as cases
-from studies.document_pdf import write_pdf
-from studies.indicators import pressure_noise
-from studies.plotting import style
-from studies.results import Results, read_results
-from studies.twisting_column_compare import centres, difference, kink, nodes
-from studies.twisting_column_methods import (
+from studies.harness.results import Results, read_results
+from studies.report.document_pdf import write_pdf
+from studies.report.indicators import pressure_noise
+from studies.report.plotting import style
+from studies.twisting_column import cases, study
+from studies.twisting_column.compare import centres, difference, kink, nodes
+from studies.twisting_column.methods import (
     FEM,
     H1,
     H6,
@@ -36,9 +35,9 @@ from studies.twisting_column_methods import (
     lattice,
     usual_cfl,
 )
-from studies.twisting_column_requirements import extrapolated, requirements
-from studies.twisting_column_summary import COLUMNS, clamp_torque
-from studies.twisting_column_verdicts import IN_PART, NOT, REPRODUCED, UNDECIDED, claims
+from studies.twisting_column.requirements import extrapolated, requirements
+from studies.twisting_column.summary import COLUMNS, clamp_torque
+from studies.twisting_column.verdicts import IN_PART, NOT, REPRODUCED, UNDECIDED, claims
 
 
 def grid_run(cells: int, lift: float = 0.0, factor: float = 1.0) -> dict[str, Any]:

@@ -1,0 +1,1 @@
+"""The L-shaped block and the spinning cube: momenta and energy."""

@@ -1,0 +1,1 @@
+"""The swinging cube: orders of convergence of every method."""

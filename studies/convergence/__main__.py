@@ -1,0 +1,11 @@
+"""``python -m studies.convergence``."""
+
+from __future__ import annotations
+
+import sys
+
+from studies.convergence.study import STUDY
+from studies.harness.front import main
+
+if __name__ == "__main__":
+    sys.exit(main(STUDY))

@@ -1,0 +1,1 @@
+"""Variants of the consistent operator, one choice changed at a time."""

@@ -1,0 +1,1 @@
+"""Deformed bodies: stored frames, depth-sorted surfaces, panels."""

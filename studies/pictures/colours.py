@@ -1,0 +1,130 @@
+"""Colours of fields: which map, which range, and the bar that says so.
+
+Pressure (positive in tension) and ``J`` have a value that means "nothing": they get a diverging
+map, symmetric about it.  Von Mises stress starts from zero and gets a sequential one that is
+perceptually uniform.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from matplotlib.cm import ScalarMappable
+from matplotlib.colors import Normalize
+from matplotlib.ticker import FixedLocator, FuncFormatter
+
+from sphsolid.errors import InputError, require
+from studies.pictures.shots import Frame, Shot
+
+
+@dataclass(frozen=True)
+class FieldLook:
+    """How a field is shown: its name, SI unit (empty: a number), colour map and middle value."""
+
+    name: str
+    unit: str
+    colour_map: str
+    middle: float
+    diverging: bool
+
+
+LOOKS = {
+    "pressure": FieldLook("pressure", "Pa", "RdBu_r", 0.0, diverging=True),
+    "von_mises": FieldLook("von Mises\nstress", "Pa", "viridis", 0.0, diverging=False),
+    "J": FieldLook("volume\nratio J", "", "PuOr_r", 1.0, diverging=True),
+}
+_ROUND = (1.0, 1.2, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0)
+_PREFIX = ((1e9, "G"), (1e6, "M"), (1e3, "k"), (1.0, ""))
+
+
+@dataclass(frozen=True)
+class ColourRange:
+    """``field`` from ``low`` to ``high`` (SI); ``beyond``: there are values below, above it."""
+
+    field: str
+    low: float
+    high: float
+    beyond: tuple[bool, bool] = (False, False)
+
+    def __post_init__(self) -> None:
+        if self.field not in LOOKS:
+            raise InputError(f"colours: field {self.field!r} is none of {', '.join(LOOKS)}")
+        require(
+            bool(np.isfinite([self.low, self.high]).all()) and self.low < self.high,
+            f"colours of {self.field}: the range {self.low} .. {self.high} is empty or not finite",
+        )
+
+    @property
+    def look(self) -> FieldLook:
+        """Name, unit and colour map."""
+        return LOOKS[self.field]
+
+    def scale(self) -> ScalarMappable:
+        """Maps values [SI] to colours."""
+        return ScalarMappable(Normalize(self.low, self.high), self.look.colour_map)
+
+    def draw_bar(self, figure: Any, axes: Any) -> None:
+        """A colour bar in ``axes``, five ticks, unit above; arrows where values go beyond."""
+        extend = {
+            (False, False): "neither",
+            (True, False): "min",
+            (False, True): "max",
+            (True, True): "both",
+        }[self.beyond]
+        bar = figure.colorbar(self.scale(), cax=axes, extend=extend, extendfrac=0.04)
+        factor, unit = 1.0, self.look.unit
+        if unit:
+            size = max(abs(self.low), abs(self.high))
+            factor, prefix = next((f, p) for f, p in (*_PREFIX, (1.0, "")) if size >= f or f == 1.0)
+            unit = prefix + unit
+        bar.locator = FixedLocator(np.linspace(self.low, self.high, 5).tolist())
+        bar.formatter = FuncFormatter(lambda value, _: f"{value / factor:.4g}".replace("-", "−"))
+        bar.update_ticks()
+        bar.outline.set_linewidth(0.5)
+        axes.tick_params(labelsize=8, width=0.5, length=2.5)
+        axes.grid(False)
+        axes.set_title(f"{self.look.name}\n[{unit or '-'}]", fontsize=8.5, loc="left", pad=9)
+
+
+def limits(
+    frames: Iterable[Any], *, field: str = "pressure", percentile: float = 99.0
+) -> ColourRange:
+    """A common range: ``percentile`` of the pooled vertex values, rounded up to a round number.
+
+    ``frames`` may be nested (rows of a grid); panels without a frame are passed over.  Symmetric
+    about the middle for a diverging field, from zero for von Mises.  Pooling means that one
+    spike, or one corner, does not wash out all others.  Raises ``InputError`` for a percentile
+    outside (0, 100] or when there is nothing to look at.
+    """
+    require(0.0 < percentile <= 100.0, f"limits: percentile = {percentile} is outside (0, 100]")
+    if field not in LOOKS:
+        raise InputError(f"colours: field {field!r} is none of {', '.join(LOOKS)}")
+    found = [shot.value(field).astype(float) for shot in _flat(frames) if isinstance(shot, Shot)]
+    pooled = np.concatenate(found) if found else np.zeros(0)
+    pooled = pooled[np.isfinite(pooled)]
+    require(len(pooled) > 0, f"limits: no frame has a finite value of {field}")
+    look = LOOKS[field]
+    size = _round_up(float(np.percentile(np.abs(pooled - look.middle), percentile)))
+    low = look.middle - size if look.diverging else look.middle
+    high = look.middle + size
+    slack = 1e-6 * size
+    beyond = (bool(pooled.min() < low - slack), bool(pooled.max() > high + slack))
+    return ColourRange(field, low, high, beyond)
+
+
+def _flat(frames: Iterable[Any]) -> Iterable[Frame]:
+    for item in frames:
+        if isinstance(item, Iterable):
+            yield from _flat(item)
+        else:
+            yield item
+
+
+def _round_up(size: float) -> float:
+    if size <= 0.0:
+        return 1.0
+    power = 10.0 ** np.floor(np.log10(size))
+    return float(next((m * power for m in _ROUND if m * power >= size * (1.0 - 1e-9)), 10 * power))

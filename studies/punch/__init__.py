@@ -1,0 +1,1 @@
+"""The punch: pressure and deformation near incompressibility."""

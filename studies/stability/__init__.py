@@ -1,0 +1,1 @@
+"""Spectrum of the linearised step, and hard cases in time."""

@@ -1,0 +1,272 @@
+"""The linear map of one time step about a uniform state at rest, and its eigenvalues.
+
+One step of the integrator takes a small disturbance ``Y`` of a uniform state at rest to ``g Y``.
+The rates are those of ``RightHandSide.evaluate``, differentiated by central differences of fourth
+order.  They are affine in ``dt`` (the intrinsic times are multiples of it), so two Jacobians serve
+every step: ``A_0 + CFL A_1`` by a disturbance of the state, ``B_0 + CFL B_1`` by one of the
+geometry that ``F_x`` is taken from.  ``spectrum_step`` makes the map of them.
+
+Few unknowns are needed.  ``F`` changes by the gradient of the velocities that also move a
+displacement ``w``, so ``F - grad w`` (and ``H - cof grad w``; without ``tau_p`` also ``J`` less its
+determinant) never changes: it adds eigenvalues one and nothing else.  Left are, in units of
+``l = h_min`` and ``T = dt / CFL``, the rows of ``spectrum_step``.  In particular all mixed
+formulations have one and the same spectrum without ``tau_p``.
+
+Loads are held: a stretched state is in equilibrium under whatever dead load that takes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+import scipy.sparse.linalg
+from numpy.typing import NDArray
+
+from sphsolid import SUPG, TVDRK2, Simulation
+from sphsolid.continuum.tensor import cofactor, contract, cross, join, split
+from sphsolid.errors import require
+from sphsolid.scheme.right_hand_side import State
+from studies.stability.spectrum_step import Layout, Rate, step_map
+
+Array = NDArray[np.float64]
+ComplexArray = NDArray[np.complex128]
+#: Central differences of fourth order: ``f' = sum weight f(x + offset step) / step``.
+STEP = 1.0e-3
+STENCIL = ((-2.0, 1.0 / 12.0), (-1.0, -8.0 / 12.0), (1.0, 8.0 / 12.0), (2.0, -1.0 / 12.0))
+
+
+def J_is_free(simulation: Simulation) -> bool:
+    """True when ``J`` is an unknown of its own: damped by ``tau_p``, or evolved while ``F`` is not.
+
+    Otherwise it changes as the strains do.
+    """
+    formulation, supg = simulation.formulation, simulation.stabilisation
+    damped = isinstance(supg, SUPG) and supg.tau_p > 0.0
+    return formulation.evolves_J and (damped or not formulation.evolves_F)
+
+
+class Linearisation:
+    """Step map of a simulation about its initial state, which must be at rest.
+
+    ``layout`` says which unknowns there are: the free components of ``w`` and ``v``, ``J`` where it
+    is not tied to ``w``, ``x`` where it is felt and is not ``w``.
+    Raises ``InputError`` where the initial state moves or a constraint is not along an axis.
+    """
+
+    def __init__(self, simulation: Simulation) -> None:
+        sim = simulation
+        require(
+            not np.any(sim.state.p),
+            f"the spectrum of {sim.name} is that of a state at rest; start it without velocity",
+        )
+        self.simulation = sim
+        self.rhs = sim._rhs
+        self.length = sim.cloud.h_min
+        self.unit_time = sim.stable_time_step() / sim._time_step.cfl
+        self.has_J = J_is_free(sim)
+        self._base = State(**{name: array.copy() for name, array in vars(sim.state).items()})
+        allowed = np.ones((sim.cloud.size, 3))
+        self.rhs.essential.release(allowed)
+        require(
+            bool(np.all((allowed == 0.0) | (allowed == 1.0))),
+            "the spectrum needs constraints along the axes; use a body with axis-aligned faces",
+        )
+        #: Places of the free components in a flat ``(N, 3)`` field.
+        self.free = np.flatnonzero(allowed)
+        self.moves = len(self.free)
+        self.size = 2 * self.moves + (sim.cloud.size if self.has_J else 0)
+        own_x = (
+            sim.formulation.evolves_F
+            and not isinstance(sim.integrator, TVDRK2)
+            and self._geometry_is_felt()
+        )
+        self.layout = Layout(self.moves, self.size, not sim.formulation.evolves_F, own_x)
+
+    def _geometry_is_felt(self) -> bool:
+        z = np.random.default_rng(0).uniform(-1.0, 1.0, self.moves)
+        by = [self.rate(np.zeros(self.size), z, cfl) for cfl in (0.0, 1.0)]
+        return bool(np.max(np.abs(by)) > 1.0e-9)
+
+    def fields(self, y: NDArray[Any]) -> tuple[NDArray[Any], NDArray[Any], NDArray[Any]]:
+        """``w / l``, ``v T / l`` of shape ``(N, 3)`` and ``dJ (N,)`` (zero where it is tied)."""
+        n, m = self.simulation.cloud.size, self.moves
+        u, v = np.zeros((2, 3 * n), dtype=y.dtype)
+        u[self.free], v[self.free] = y[:m], y[m : 2 * m]
+        J = y[2 * m : self.size] if self.has_J else np.zeros(n, dtype=y.dtype)
+        return u.reshape(n, 3), v.reshape(n, 3), J
+
+    def rate(self, y: Array, geometry: Array, cfl: float) -> Array:
+        """Change of the rates by ``y (size,)`` in the state, ``geometry (moves,)`` in ``F_x``."""
+        u, v, J = self.fields(y)
+        z = np.zeros(3 * len(u))
+        z[self.free] = geometry
+        # The truncation error is that of the largest entry: every direction gets the same step.
+        largest = max(float(np.max(np.abs(y))), float(np.max(np.abs(geometry))))
+        total = np.zeros(self.size)
+        if largest > 0.0:
+            step = STEP / largest
+            for offset, weight in STENCIL:
+                by = self._disturbed(offset * step, u, v, J, z.reshape(u.shape), cfl)
+                total += weight / step * by
+        return total
+
+    def _disturbed(
+        self, step: float, u: Array, v: Array, J: Array, z: Array, cfl: float
+    ) -> Array:
+        rhs, base, f = self.rhs, self._base, self.simulation.formulation
+        speed = self.length / self.unit_time
+        density = rhs.material.density
+        state = State(
+            p=(step * density * speed) * v,
+            x=base.x + (step * self.length) * u,
+            F=np.empty_like(base.F),
+            H=base.H.copy(),
+            J=base.J.copy(),
+        )
+        rhs.kinematic_gradient((step * self.length) * u, 1.0, state.F)
+        change = split(state.F.copy())
+        F = split(base.F)
+        if f.evolves_H:
+            state.H += join(cross(F, change))
+        if self.has_J:
+            state.J += step * J
+        elif f.evolves_J:
+            state.J += contract(split(base.H) if f.evolves_H else cofactor(F), change)
+        state.F += base.F
+        x = base.x + (step * self.length) * z
+        rhs.set_geometry(x)
+        rates = rhs.evaluate(state, x, cfl * self.unit_time, 0.0)
+        pdot = rates.p.reshape(-1)[self.free] * (self.unit_time / (density * speed))
+        parts = [step * v.reshape(-1)[self.free], pdot]
+        return np.concatenate(parts + ([rates.J * self.unit_time] if self.has_J else []))
+
+    @cached_property
+    def _jacobians(self) -> tuple[Array, Array, Array, Array]:
+        """``A_0, A_1 (n, n)`` and ``B_0, B_1 (n, m)``."""
+        n, m = self.size, self.moves
+        still, nothing = np.zeros(m), np.zeros(n)
+        A = [np.array([self.rate(e, still, c) for e in np.eye(n)]).T for c in (0.0, 1.0)]
+        B = [np.array([self.rate(nothing, e, c) for e in np.eye(m)]).T for c in (0.0, 1.0)]
+        return A[0], A[1] - A[0], B[0], B[1] - B[0]
+
+    def generator(self, cfl: float) -> Array:
+        """The semi-discrete system ``(size, size)`` with ``x = w``, in units of ``T``."""
+        A_0, A_1, B_0, B_1 = self._jacobians
+        generator = A_0 + cfl * A_1
+        generator[:, : self.moves] += B_0 + cfl * B_1
+        return generator
+
+    def step_matrix(self, cfl: float) -> Array:
+        """The map of one step ``(rows, rows)``."""
+        A_0, A_1, B_0, B_1 = self._jacobians
+        A, B = A_0 + cfl * A_1, B_0 + cfl * B_1
+
+        def rate(S: Array, x: Array) -> Array:
+            return A @ S[: self.size] + B @ x
+
+        return self._step(rate, np.eye(self.layout.rows), cfl)
+
+    def step(self, y: Array, cfl: float) -> Array:
+        """The map of one step applied to ``y (rows,)`` without any matrix."""
+
+        def rate(S: Array, x: Array) -> Array:
+            return self.rate(S[: self.size, 0], x[:, 0], cfl)[:, None]
+
+        return self._step(rate, y[:, None], cfl)[:, 0]
+
+    def _step(self, rate: Rate, Y: Array, cfl: float) -> Array:
+        return step_map(self.simulation.integrator, self.layout, rate, Y, cfl)
+
+    @cached_property
+    def rigid(self) -> Array:
+        """Orthonormal rigid motions ``(m, r)`` that meet no constraint and no force.
+
+        Each is a Jordan block, a displacement that grows like ``t``, and is taken out exactly
+        because round-off splits a double eigenvalue by its square root.
+        """
+        X = self.simulation.state.x - self.simulation.state.x.mean(axis=0)
+        turns = [np.cross(axis, X) for axis in np.eye(3)]
+        moves = [np.broadcast_to(axis, X.shape) for axis in np.eye(3)]
+        motions = np.stack([motion.reshape(-1) for motion in moves + turns], axis=1)
+        motions /= np.linalg.norm(motions, axis=0)
+        fixed = np.setdiff1d(np.arange(len(motions)), self.free)
+        zero = np.zeros(self.size - self.moves)
+        forces = [
+            self.rate(np.concatenate([motion[self.free], zero]), motion[self.free], 0.0)
+            for motion in motions.T
+        ]
+        resisted = np.concatenate([motions[fixed], np.array(forces).T])
+        _, value, vector = np.linalg.svd(resisted, full_matrices=True)
+        value = np.concatenate([value, np.zeros(6 - len(value))])
+        kept = motions[self.free] @ vector[value < 1.0e-6].T
+        return np.linalg.qr(kept)[0]
+
+    @cached_property
+    def elastic(self) -> Array:
+        """Orthonormal basis ``(rows, rows - 2 r)`` of all that is not rigid.
+
+        Rigid are displacements (``w`` and ``x`` together) and velocities.
+        """
+        if not self.rigid.shape[1]:
+            return np.eye(self.layout.rows)
+        return np.linalg.qr(self._rigid_rows, mode="complete")[0][:, self._rigid_rows.shape[1] :]
+
+    @cached_property
+    def _rigid_rows(self) -> Array:
+        n, m, r = self.layout.rows, self.moves, self.rigid.shape[1]
+        rows = np.zeros((n, 2 * r))
+        rows[:m, :r] = self.rigid
+        rows[m : 2 * m, r:] = self.rigid
+        if self.layout.own_x:
+            rows[self.size :, :r] = self.rigid
+        return rows / np.linalg.norm(rows, axis=0)
+
+    def eigenvalues(self, cfl: float) -> ComplexArray:
+        """All ``g`` but those of rigid motions."""
+        step = self.elastic.T @ self.step_matrix(cfl) @ self.elastic
+        return np.linalg.eigvals(step).astype(complex)
+
+    def modes(self, cfl: float) -> tuple[ComplexArray, ComplexArray]:
+        """``g (k,)`` and modes ``(rows, k)`` as columns, largest ``|g|`` first."""
+        g, vectors = np.linalg.eig(self.elastic.T @ self.step_matrix(cfl) @ self.elastic)
+        order = np.argsort(-np.abs(g), kind="stable")
+        return g[order], self.elastic @ vectors[:, order]
+
+    def largest(
+        self, cfl: float, *, count: int = 6, steps: int = 1, tolerance: float = 1.0e-10
+    ) -> tuple[ComplexArray, ComplexArray]:
+        """The ``count`` largest ``g`` and their modes without any matrix, by Arnoldi iteration.
+
+        For bodies too large for :meth:`modes`.  ``steps`` of the map are one step of the iteration:
+        moduli near one separate better in a power.  Raises what scipy raises where it fails.
+        """
+        rigid = self._rigid_rows
+
+        def power(y: Array) -> Array:
+            y = np.asarray(y, dtype=float).reshape(-1)
+            y = y - rigid @ (rigid.T @ y)
+            for _ in range(steps):
+                y = self.step(y, cfl)
+                y = y - rigid @ (rigid.T @ y)
+            return y
+
+        _, vectors = _arnoldi(power, self.layout.rows, count, tolerance)
+        # The power hides the argument of g: take it from one step.
+        images = np.stack([self.step(y.real, cfl) + 1j * self.step(y.imag, cfl) for y in vectors.T])
+        g = np.einsum("ki,ki->k", vectors.T.conj(), images)
+        order = np.argsort(-np.abs(g), kind="stable")
+        return g[order], vectors[:, order]
+
+
+def _arnoldi(
+    apply: Callable[[Array], Array], size: int, count: int, tolerance: float
+) -> tuple[ComplexArray, ComplexArray]:
+    operator = scipy.sparse.linalg.LinearOperator((size, size), matvec=apply, dtype=float)
+    start = np.random.default_rng(0).standard_normal(size)
+    found, vectors = scipy.sparse.linalg.eigs(
+        operator, k=count, which="LM", v0=start, ncv=min(size - 1, 8 * count + 20), tol=tolerance
+    )
+    return found, vectors / np.linalg.norm(vectors, axis=0)

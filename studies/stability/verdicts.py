@@ -1,0 +1,172 @@
+"""Claims about stability, and what the table of the hard cases says of each."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection
+
+import pandas as pd
+
+from studies.stability.hard_case_judgement import LOST, SOUND, USELESS
+from studies.stability.hard_case_methods import BASE, METHODS, VARIANTS
+
+YES, PARTLY, NO, UNKNOWN = "reproduced", "reproduced in part", "not reproduced", "not run"
+#: Without the term of J, the pressure noise must be this many times as large to show its use.
+NOISE_RATIO = 1.5
+STABILISED = tuple(
+    method.name for method in METHODS if method.solver == "SUPG-SPH"
+    and method.operator == "Consistent"
+)  # fmt: skip
+_SEEDED = ("seeded sawtooth", "seeded hourglass", "seeded noise", "seeded checkerboard")
+
+
+def _three(part: int, whole: int) -> str:
+    return YES if part == whole else PARTLY if part else NO
+
+
+def every_case_has_a_method(table: pd.DataFrame) -> tuple[str, str]:
+    """Reproduced: every case is sound with some stabilised particle method at its usual step."""
+    runs = table[(table["step"] == "usual") & table["method"].isin(STABILISED)]
+    cases = list(dict.fromkeys(runs["case"]))
+    if not cases:
+        return UNKNOWN, "no case was run"
+    sound = set(runs[runs["verdict"] == SOUND]["case"])
+    lasted = set(runs[~runs["verdict"].isin([LOST])]["case"])
+    without = [case for case in cases if case not in sound]
+    text = (
+        f"{len(sound)} of {len(cases)} cases are sound with at least one stabilised method at its "
+        f"usual step, {len(lasted)} run to the end with one"
+    )
+    return _three(len(sound), len(cases)), text + _listed("; none sound", without)
+
+
+def one_method_for_all(table: pd.DataFrame) -> tuple[str, str]:
+    """Reproduced: one and the same setting is sound in all cases.
+
+    Only settings that ran the most cases count: a variant put to few is not compared.
+    """
+    names = [*STABILISED, *(variant.name for variant in VARIANTS)]
+    runs = table[(table["step"] == "usual") & table["method"].isin(names)]
+    if not len(runs):
+        return UNKNOWN, "no case was run"
+    counts = runs.groupby("method", sort=False)["verdict"].agg(
+        lambda verdicts: ((verdicts == SOUND).sum(), len(verdicts))
+    )
+    most = max(whole for _, whole in counts)
+    compared = [name for name in counts.index if counts[name][1] == most]
+    best = max(compared, key=lambda name: counts[name][0])
+    sound, whole = counts[best]
+    base = counts.get(BASE.name, (0, 0))
+    text = f"best: {best}, sound in {sound} of {whole}; {BASE.name} in {base[0]} of {base[1]}"
+    failed = runs[(runs["method"] == best) & (runs["verdict"] != SOUND)]
+    why = [f"{row.case} ({row.why})" for row in failed.itertuples()]
+    return _three(int(sound), int(whole)), text + _listed("; not sound", why)
+
+
+def seeds_decay(table: pd.DataFrame) -> tuple[str, str]:
+    """Reproduced: all seeds are smaller at the end with every stabilised method."""
+    runs = table[
+        (table["step"] == "usual") & table["case"].isin(_SEEDED) & table["method"].isin(STABILISED)
+    ]
+    if not len(runs):
+        return UNKNOWN, "no seeded case was run"
+    sound = int((runs["verdict"] == SOUND).sum())
+    variants = table[table["case"].isin(_SEEDED) & table["method"].isin(v.name for v in VARIANTS)]
+    cured = [
+        name for name, part in variants.groupby("method", sort=False)
+        if (part["verdict"] == SOUND).all()
+    ]  # fmt: skip
+    text = f"decayed in {sound} of {len(runs)} runs at the usual step"
+    return _three(sound, len(runs)), text + _listed("; changes that cure it", cured)
+
+
+def tension_is_stable(table: pd.DataFrame) -> tuple[str, str]:
+    """Reproduced: noise stays bounded in tension with every stabilised method."""
+    runs = table[
+        (table["step"] == "usual") & (table["case"] == "pulled to stretch 2")
+        & table["method"].isin(STABILISED)
+    ]  # fmt: skip
+    if not len(runs):
+        return UNKNOWN, "the pulled block was not run"
+    sound = int((runs["verdict"] == SOUND).sum())
+    grown = ", ".join(f"{row.method} {row.answer:.2g}" for row in runs.itertuples())
+    return _three(sound, len(runs)), f"growth of the noise to stretch 2: {grown}"
+
+
+def pressure_term_smooths(table: pd.DataFrame) -> tuple[str, str]:
+    """Reproduced: in the punch the noise is ``NOISE_RATIO`` times as large with ``tau_p = 0``."""
+    runs = table[(table["step"] == "usual") & (table["case"] == "punch, initial")]
+    noise = runs[runs["survived"] == True].set_index("method")["noise_end"]  # noqa: E712
+    names = (BASE.name, "tau_p 0", "{p,F,J} unstabilised")
+    if not set(names) <= set(noise.index):
+        return UNKNOWN, "needs the initial punch with and without tau_p"
+    with_it, without, plain = (float(noise[name]) for name in names)
+    text = (
+        f"noise of the pressure at the end: {with_it:.3f} with tau_p = 0.1 dt, {without:.3f} with "
+        f"0, {plain:.3f} without any stabilisation"
+    )
+    bars = (without > NOISE_RATIO * with_it) + (plain > NOISE_RATIO * with_it)
+    return _three(bars, 2), text
+
+
+def all_survive(table: pd.DataFrame) -> tuple[str, str]:
+    """Reproduced: columns and punches are not lost with any stabilised method."""
+    runs = table[
+        (table["step"] == "usual") & table["method"].isin(STABILISED)
+        & table["case"].str.contains("column|punch")
+    ]  # fmt: skip
+    if not len(runs):
+        return UNKNOWN, "no column or punch was run"
+    lasted = int((runs["verdict"] != LOST).sum())
+    useless = runs[runs["verdict"] == USELESS]
+    why = [f"{row.method}, {row.case} ({row.why})" for row in useless.itertuples()]
+    text = f"{lasted} of {len(runs)} ran to the end, {len(useless)} of them useless"
+    verdict = _three(lasted, len(runs))
+    return (PARTLY if verdict == YES and len(useless) else verdict), text + _listed("", why)
+
+
+def longer_step_is_safe(table: pd.DataFrame) -> tuple[str, str]:
+    """Reproduced: what is sound at the usual step is so at ``LONG_STEP`` times that."""
+    names = [method.name for method in METHODS]
+    runs = table[table["method"].isin(names)].pivot_table(
+        index=["method", "case"], columns="step", values="verdict", aggfunc="first"
+    )
+    if not {"usual", "longer"} <= set(runs.columns):
+        return UNKNOWN, "needs both steps"
+    sound = runs[(runs["usual"] == SOUND) & runs["longer"].notna()]
+    still = int((sound["longer"] == SOUND).sum())
+    lost = int((sound["longer"] == LOST).sum())
+    text = f"of {len(sound)} sound runs {still} stay sound at 5/3 of the step, {lost} are lost"
+    return _three(still, len(sound)), text
+
+
+def _listed(what: str, names: list[str]) -> str:
+    return f"{what}: {'; '.join(names)}" if names else ""
+
+
+CLAIMS: tuple[tuple[str, Callable[[pd.DataFrame], tuple[str, str]]], ...] = (
+    ("every hard case runs to the end, and soundly, with some stabilised method",
+     every_case_has_a_method),
+    ("one setting is sound in every case", one_method_for_all),
+    ("columns to 300 rad/s and nu 0.4999, disordered ones, and the punch survive",
+     all_survive),
+    ("hourglass, saw tooth, noise and checkerboard are damped", seeds_decay),
+    ("no tensile instability in the total Lagrangian frame", tension_is_stable),
+    ("tau_p removes the pressure noise of the punch", pressure_term_smooths),
+    ("the step could be 5/3 as long", longer_step_is_safe),
+)  # fmt: skip
+
+
+def verdicts(table: pd.DataFrame, cases: Collection[str] = ()) -> pd.DataFrame:
+    """One row per claim: ``claim``, ``verdict``, ``decided by``.
+
+    ``cases`` are those that a claim is about: when some were not run, as in the short form, no
+    more than a part is reproduced.
+    """
+    missing = len(set(cases) - set(table["case"]))
+    rows = []
+    for claim, decide in CLAIMS:
+        verdict, text = decide(table)
+        if missing and verdict == YES:
+            verdict, text = PARTLY, f"{text}; {missing} of {len(cases)} cases were not run"
+        rows.append((claim, verdict, text))
+    return pd.DataFrame(rows, columns=["claim", "verdict", "decided by"])

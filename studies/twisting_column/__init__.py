@@ -1,0 +1,1 @@
+"""The twisting column: robustness at large strain."""

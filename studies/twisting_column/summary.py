@@ -1,0 +1,122 @@
+"""The main table of the twisting column: one row a run, from its history and its comparisons."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from studies.twisting_column.cases import CLAMP
+from studies.twisting_column.compare import centres, kink
+from studies.twisting_column.methods import FEM
+
+Row = dict[str, Any]
+#: What tells runs apart.
+RUN = ["label", "cells", "cfl", "nu"]
+SETTING = [
+    "method", "formulation", "secondary", "operator", "integrator", "tau_F", "xi_F", "tau_p",
+    "h_over_dx", "particles", "steps", "wall_s", "survived", "end_time", "reason",
+]  # fmt: skip
+#: Instants [ms] whose twist, height and noise are columns.
+INSTANTS = (20, 40, 60, 80, 100)
+_WORKS = {
+    "dissipation_p": "dissipation_p [J]",
+    "dissipation_J": "dissipation_J [J]",
+    "projection": "work_projection [J]",
+    "adjoint_defect": "work_adjoint_defect [J]",
+    "constraint": "work_constraint [J]",
+}
+_STATE = [
+    f"pressure_{kind}{share}"
+    for kind in ("", "vertices_", "cells_", "free_")
+    for share in (1, 50, 99)
+]
+COLUMNS = [
+    *RUN, *SETTING, *(f"twist_{ms}" for ms in INSTANTS), "twist_max", "time_of_max",
+    *(f"height_{ms}" for ms in INSTANTS), "energy_kept", *_WORKS, "rest", "rest_largest",
+    *_STATE, "peaks_at_clamp", *(f"noise_{ms}" for ms in INSTANTS),
+    *(f"noise_free_{ms}" for ms in INSTANTS), "noise_free_mean",
+    "J_min", "J_max", "reaction_y_largest", "reaction_y_end",
+    "torque_largest", "linear_drift", "angular_drift", "position_rms", "pressure_rms",
+    "kink", "ringing", "mean_rms", *(f"pressure_mean_{s}" for s in (1, 50, 99)),
+    *(f"reference_mean_{s}" for s in (1, 50, 99)),
+]  # fmt: skip
+
+
+def clamp_torque(history: pd.DataFrame) -> np.ndarray:
+    """Mean torque [N m] about Y that the clamp exerted between two records; first entry zero."""
+    given = history["angular_impulse_y [kg m^2/s]"].to_numpy()
+    return np.diff(given, prepend=given[0]) / np.diff(history["time [s]"], prepend=-1.0)
+
+
+def summarise(runs: list[Row], history: pd.DataFrame, apart: pd.DataFrame) -> pd.DataFrame:
+    """One row a run in :data:`COLUMNS`: lengths in m, angles in rad, pressures in Pa, energies as
+    shares of the energy at the start, drifts as shares of their natural scales.
+    """
+    rows = []
+    for run in runs:
+        mine = history[(history[RUN] == pd.Series({n: run[n] for n in RUN})).all(axis=1)]
+        row = {name: run[name] for name in (*RUN, *SETTING)}
+        row |= _of_means(run)
+        row["kink"] = kink(run) if run["survived"] else float("nan")
+        rows.append(row | _of_history(mine) | _of_reference(run, apart))
+    return pd.DataFrame(rows, columns=COLUMNS)
+
+
+def _of_history(history: pd.DataFrame) -> Row:
+    time = history["time [s]"].to_numpy()
+    end = history.iloc[-1]
+    energy = history["total_energy [J]"].iloc[0]
+    row: Row = {}
+    for ms in INSTANTS:
+        at = history[np.isclose(time, 1e-3 * ms)]
+        for name, column in (
+            ("twist", "twist [rad]"), ("height", "height [m]"),
+            ("noise", "noise"), ("noise_free", "noise_free"),
+        ):  # fmt: skip
+            row[f"{name}_{ms}"] = float(at[column].iloc[0]) if len(at) else float("nan")
+    highest = int(history["twist [rad]"].to_numpy().argmax())
+    row |= {"twist_max": history["twist [rad]"].iloc[highest], "time_of_max": time[highest]}
+    row |= {name: end[f"{name} [Pa]"] for name in _STATE}
+    row |= {name: end[column] / energy for name, column in _WORKS.items()}
+    row |= {
+        "energy_kept": end["total_energy [J]"] / energy,
+        "rest": end["energy_rest [J]"] / energy,
+        "rest_largest": history["energy_rest [J]"].abs().max() / energy,
+        "noise_free_mean": history["noise_free"].iloc[1:].mean(),
+        "peaks_at_clamp": end["peaks_at_clamp"],
+        "J_min": history["J_min"].min(),
+        "J_max": history["J_max"].max(),
+        "reaction_y_largest": history["reaction_Y-_y [N]"].abs().max(),
+        "reaction_y_end": end["reaction_Y-_y [N]"],
+        "torque_largest": np.abs(clamp_torque(history)).max(),
+    }
+    for kind, unit in (("linear", "kg m/s"), ("angular", "kg m^2/s")):
+        scale = history[f"{kind}_scale [{unit}]"]
+        row[f"{kind}_drift"] = float((history[f"{kind}_drift [{unit}]"] / scale).max())
+    return row
+
+
+def _of_reference(run: Row, apart: pd.DataFrame) -> Row:
+    if len(apart) == 0:
+        return {}
+    same = (apart[RUN] == pd.Series({name: run[name] for name in RUN})).all(axis=1)
+    found = apart[same & (apart["other"] == FEM)]
+    if len(found) == 0:
+        return {}
+    one = found.iloc[0]
+    row = {"position_rms": one["position_rms [m]"], "pressure_rms": one["pressure_rms"]}
+    row["mean_rms"] = one.get("mean_rms", float("nan"))
+    for share in (1, 50, 99):
+        row[f"reference_mean_{share}"] = one.get(f"other_mean_{share} [Pa]", float("nan"))
+    return row
+
+
+def _of_means(run: Row) -> Row:
+    if not run.get("grid_mean"):
+        return {}
+    free = np.broadcast_to(centres(run["cells"])[1] > CLAMP, (run["cells"], 6 * run["cells"]))
+    mean = np.reshape(run["grid_mean"], (*free.shape, run["cells"]))[free]
+    row: Row = {f"pressure_mean_{share}": np.percentile(mean, share) for share in (1, 50, 99)}
+    return row | {"ringing": run["ringing"]}
