@@ -120,6 +120,25 @@ def test_free_fall_is_exact_with_a_quadratic_force() -> None:
     np.testing.assert_allclose(s.velocity, np.broadcast_to(g * t**3 / 3, s.X.shape), rtol=1e-10)
 
 
+@pytest.mark.parametrize("integrator", [sph.TVDRK2(), THIRD], ids=lambda i: i.name)
+def test_a_momentum_that_nothing_changes_keeps_its_bits(integrator: Any) -> None:
+    drift = np.array([0.1, -0.7, 1.0 / 3.0])
+    scene = Scene(
+        "drifting", Box(), RUBBER, 1.0, initial_velocity=lambda X: np.broadcast_to(drift, X.shape)
+    )
+    sim = build(scene, integrator=integrator)
+    sim.state.F[:] = np.eye(3)
+    start = sim.state.p.copy()
+    stages = sim._stepper.work
+    for rate in stages.rates:
+        rate[:] = 0.0
+    for _ in range(100):
+        stages.first(0.1)
+        for share in (0.75, 1.0 / 3.0, 0.5):
+            stages.convex(share, 0.1)
+    np.testing.assert_array_equal(sim.state.p, start)
+
+
 def test_undamped_noise_decays_where_two_stages_let_it_grow() -> None:
     """A free block at rest with noise in p, no stabilisation, w dt up to one."""
 
