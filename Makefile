@@ -2,6 +2,7 @@
 #   make convergence              the whole swinging-cube study -> reports/convergence/
 #   make convergence ARGS=...     pass options on, e.g. ARGS="--resume --jobs 4"
 #   make quick                    the same in its short form     -> out/convergence-quick/
+#   make scenes                   the paper's other scenes and the stability study -> reports/
 #   make test                     lint, types, tests: what CI runs
 PYTHON ?= python3
 VENV   := .venv
@@ -9,7 +10,7 @@ BIN    := $(VENV)/bin
 ARGS   ?=
 PIP    := $(BIN)/python -m pip install --quiet --disable-pip-version-check
 
-.PHONY: help convergence quick test lint clean
+.PHONY: help convergence quick scenes test lint clean
 
 help:
 	@sed -n 's/^#  *\(make .*\)/\1/p' Makefile
@@ -19,6 +20,10 @@ convergence: $(VENV)/.installed-report
 
 quick: $(VENV)/.installed-report
 	$(BIN)/python -m studies.convergence --quick $(ARGS)
+
+scenes: $(VENV)/.installed-report
+	for study in twisting_column conservation punch stability; do \
+	  $(BIN)/python -m studies.$$study $(ARGS) || exit 1; done
 
 test: lint
 	$(BIN)/python -m pytest -m "not slow" $(ARGS)

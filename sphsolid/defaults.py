@@ -4,7 +4,8 @@ Every value comes from a study that can be run again; ``docs/stability.md`` has 
 
 * **Integrator**: SSP-RK3.  With the paper's two stages an undamped mode grows by ``(w dt)^4 / 8``
   a step, and there is one at every free corner that SUPG-H1 does not see (``studies.stability``).
-* **CFL**: the largest round number below the stability limit of every material tried.
+* **CFL** 0.5: every hard case runs to its end with it.  A free block at rest has modes that grow
+  slowly there when nearly incompressible; ``plan()`` prints the limits (``studies.stability``).
 * **h/dx**: the smallest support is the most accurate one that is solvable: 19 neighbours on a
   lattice (``studies.operators``, ``studies.stability``).
 * **tau_F = 0.5 dt**: ``D(p)`` is not a positive form; it damps only while ``tau_F`` is shorter
@@ -17,6 +18,8 @@ Every value comes from a study that can be run again; ``docs/stability.md`` has 
 
 from __future__ import annotations
 
+import csv
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -36,9 +39,17 @@ NEARLY_INCOMPRESSIBLE = 0.45
 
 _CFL = {TVDRK2: 0.3, SSPRK3: 0.5}
 
-#: Largest stable CFL of a free lattice block with the settings of this file, by integrator and
-#: Poisson's ratio: data, copied from ``reports/stability/limits.csv`` (a test compares them).
-LIMITS = Path(__file__).with_name("stable_cfl.csv")
+#: Where the modes of a free lattice block at rest grow, with the settings of this file: data, made
+#: from ``reports/stability/limits.csv`` (a test compares them).
+LIMITS = Path(__file__).with_name("stability_limits.csv")
+
+
+@dataclass(frozen=True)
+class StabilityLimit:
+    """CFL numbers above which a mode grows tenfold in 1000 (``slow``) or 50 (``fast``) steps."""
+
+    slow: float
+    fast: float
 
 
 def default_cfl(integrator: Integrator) -> float:
@@ -63,10 +74,17 @@ def default_stabilisation(formulation: Formulation, material: Any) -> SUPG:
     return SUPG(tau_F=0.5, xi_F=0.0, tau_p=0.1 if damps_J else 0.0)
 
 
-def stable_cfl(integrator: Integrator, material: Any) -> float:
-    """Measured stability limit of the default settings: that of the next larger ``nu`` tried."""
-    rows = [line.split(",") for line in LIMITS.read_text(encoding="utf-8").split()[1:]]
-    limits = {float(nu): float(cfl) for name, nu, cfl in rows if name == integrator.name}
+def stability_limit(
+    integrator: Integrator, formulation: Formulation, material: Any
+) -> StabilityLimit:
+    """Measured limit of the default settings: that of the next larger Poisson's ratio tried."""
+    law = "{p,F,J}" if formulation.evolves_J else "{p,F}"
+    with LIMITS.open(encoding="utf-8", newline="") as file:
+        rows = [
+            (float(row["nu"]), StabilityLimit(float(row["slow"]), float(row["fast"])))
+            for row in csv.DictReader(file)
+            if (row["integrator"], row["formulation"]) == (integrator.name, law)
+        ]
+    rows.sort(key=lambda row: row[0])
     nu = poisson_ratio(material)
-    above = [limits[ratio] for ratio in sorted(limits) if ratio >= nu - 1e-9]
-    return above[0] if above else min(limits.values())
+    return next((limit for ratio, limit in rows if ratio >= nu - 1e-9), rows[-1][1])

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from sphsolid.compiled import description
-from sphsolid.defaults import stable_cfl
+from sphsolid.defaults import stability_limit
 from sphsolid.scheme.stabilisation import SUPG
 
 if TYPE_CHECKING:
@@ -47,8 +47,11 @@ def plan(sim: Simulation) -> str:
 def _limit(sim: Simulation) -> str:
     others = {"formulation", "integrator", "cfl"}
     if others.union(sim.by_default) >= {"stabilisation", "h_over_dx", "operator", "smoothing"}:
-        limit = stable_cfl(sim.integrator, sim.scene.material)
-        return f"a free lattice block is stable to {limit:g}"
+        limit = stability_limit(sim.integrator, sim.formulation, sim.scene.material)
+        return (
+            f"on a free lattice block at rest modes grow slowly above {limit.slow:g}, fast above "
+            f"{limit.fast:g}"
+        )
     return "stability limit not tabulated for these options: python -m studies.stability"
 
 

@@ -212,8 +212,8 @@ def _rests(ax: Axes, cube: pd.DataFrame) -> None:
         xscale="log", yscale="log", xlabel="CFL number [-]",
         ylabel="|rest + projection| / initial energy [-]", title="spinning cube, energy ledger",
     )  # fmt: skip
-    drawn = kept[kept["group"].isin(["ladder", "elements", "defaults"])]
-    marks = sorted({float(cfl) for cfl in drawn["cfl"]})
+    # The ladders of both methods; those of the defaults lie between.
+    marks = [0.075, 0.15, 0.3, 0.6]
     ax.xaxis.set_major_locator(FixedLocator(marks))
     ax.xaxis.set_minor_locator(NullLocator())
     ax.set_xticklabels([f"{cfl:g}" for cfl in marks])

@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
+import pandas as pd
 import pytest
 
 import sphsolid as sph
 from sphsolid import defaults
 from sphsolid.scenes import swinging_cube, twisting_column
+
+ROOT = Path(__file__).resolve().parents[2]
 
 
 @pytest.mark.parametrize(
@@ -25,7 +29,7 @@ def test_options_that_are_not_given_are_chosen(formulation: Any, nu: float, tau_
     assert sim._time_step.cfl == 0.5
     assert sim.h_over_dx == 0.77
     plan = sim.plan()
-    assert "CFL 0.5 (a free lattice block is stable to" in plan
+    assert "CFL 0.5 (on a free lattice block at rest modes grow slowly above" in plan
     assert "by default     stabilisation, h_over_dx, integrator, cfl, operator, smoothing" in plan
 
 
@@ -48,8 +52,21 @@ def test_poisson_ratio_is_that_of_the_material(nu: float) -> None:
 
 def test_the_limit_is_that_of_the_next_larger_ratio(tmp_path: Any, monkeypatch: Any) -> None:
     table = tmp_path / "limits.csv"
-    table.write_text("integrator,poisson_ratio,cfl\nSSP-RK3,0.3,0.9\nSSP-RK3,0.499,0.6\n")
+    table.write_text(
+        "integrator,formulation,nu,slow,fast\n"
+        'SSP-RK3,"{p,F}",0.499,0.5,0.7\nSSP-RK3,"{p,F}",0.3,0.8,0.9\n'
+        'SSP-RK3,"{p,F,J}",0.3,0.1,0.2\n'
+    )
     monkeypatch.setattr(defaults, "LIMITS", table)
-    for nu, limit in ((0.0, 0.9), (0.3, 0.9), (0.31, 0.6), (0.499, 0.6), (0.4999, 0.6)):
+    for nu, limit in ((0.0, 0.8), (0.3, 0.8), (0.31, 0.5), (0.499, 0.5), (0.4999, 0.5)):
         material = twisting_column(poisson_ratio=nu).material
-        assert defaults.stable_cfl(sph.SSPRK3(), material) == limit
+        assert defaults.stability_limit(sph.SSPRK3(), sph.PF(), material).slow == limit
+    assert defaults.stability_limit(sph.SSPRK3(), sph.PFHJ(), material).fast == 0.2
+
+
+def test_the_limits_are_those_of_the_report() -> None:
+    """Shipped with the package, measured by ``python -m studies.stability``."""
+    shipped = pd.read_csv(defaults.LIMITS)
+    report = pd.read_csv(ROOT / "reports" / "stability" / "limits.csv")
+    report = report.rename(columns={"cfl_slow": "slow", "cfl_fast": "fast"})
+    pd.testing.assert_frame_equal(shipped, report[shipped.columns.tolist()], check_dtype=False)
