@@ -126,8 +126,8 @@ def report(results: Results) -> Document:
                         "L = 10 m, E = 200 GPa, rho0 = 8000 kg/m^3, nu = 0, fixed at X = 0, pulled "
                         "at the other end; two cells wide, on rollers. Relative L2 errors over one "
                         "period. After a step a jump travels through the bar: a second-order "
-                        "scheme without limiter meets it with order 1/3 in momentum and stress and 1 in "
-                        "displacement, whatever the method. The pulse is small enough for the "
+                        "scheme without limiter meets it with order 1/3 in momentum and stress and "
+                        "1 in displacement, whatever the method. The pulse is small enough for the "
                         "linear solution to be exact (strain 5e-8)."
                     ),
                     Figure("Errors over one period.", stem),
