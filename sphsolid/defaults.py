@@ -12,8 +12,9 @@ Every value comes from a study that can be run again; ``docs/stability.md`` has 
   than about ``0.3 h / c_p`` (the paper's ``dt`` at CFL 0.3), and makes energy beyond: half of the
   longer SSP-RK3 step (``studies.stability``).  **xi_F = 0**: a time-integrated residual costs the
   stress its second order at boundaries (``studies.convergence``).  **tau_p = 0.1 dt** where ``J``
-  is evolved and the solid nearly incompressible: the paper's; it takes the checkerboard out of the
-  pressure (``studies.punch``), but makes energy at smaller ``nu`` (``studies.stability``).
+  is evolved and the solid nearly incompressible: the paper's; on a fine twisting column it takes
+  the alternating part out of the pressure (``studies.twisting_column``), at smaller ``nu`` it makes
+  energy (``studies.stability``).
 """
 
 from __future__ import annotations
