@@ -22,7 +22,7 @@ quick: $(VENV)/.installed-report
 	$(BIN)/python -m studies.convergence --quick $(ARGS)
 
 scenes: $(VENV)/.installed-report
-	for study in twisting_column conservation punch stability; do \
+	for study in twisting_column conservation punch known_answers stability; do \
 	  $(BIN)/python -m studies.$$study $(ARGS) || exit 1; done
 
 test: lint
