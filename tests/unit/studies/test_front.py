@@ -208,7 +208,7 @@ def test_ctrl_c_keeps_what_is_done(tmp_path):
         time.sleep(0.05)
     time.sleep(0.3)
     process.send_signal(signal.SIGINT)
-    _, errors = process.communicate(timeout=20)
+    _, errors = process.communicate(timeout=120)
     assert process.returncode == 130
     assert "--resume" in errors
     assert [path.name[:5] for path in (out / "partial").iterdir()] == ["short"]
