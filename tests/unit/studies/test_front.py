@@ -199,9 +199,11 @@ def test_ctrl_c_keeps_what_is_done(tmp_path):
     environment = os.environ | {"SPHSOLID_CACHE": str(tmp_path / "kernels")}
     command = [sys.executable, str(script), "--out", str(out), "--jobs", "1"]
     process = subprocess.Popen(
-        command, env=environment, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
-    )
-    deadline = time.monotonic() + 40.0
+        command, env=environment, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+        # A shell's background jobs ignore Ctrl-C and hand that on to their children.
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
+    )  # fmt: skip
+    deadline = time.monotonic() + 120.0
     while not list(out.glob("partial/short*.json")):
         assert time.monotonic() < deadline
         assert process.poll() is None, process.communicate()

@@ -178,6 +178,7 @@ def test_differences_are_linear():
     assert linear.step(0.1 * y - 3.0 * z, 0.5) == pytest.approx(apart, abs=1e-9)
 
 
+@pytest.mark.slow
 def test_only_the_pressure_term_tells_the_formulations_apart():
     plain = sorted_moduli(linearised(3), 0.3)
     for name in ("{p,F,J}", "{p,F,H,J}", "{p,J}", "displacement"):
