@@ -39,9 +39,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sphsolid.scheme.boundary import EssentialConditions
-from sphsolid.scheme.power import Account, NoAccount
 from sphsolid.scheme.right_hand_side import RightHandSide, State
-from sphsolid.scheme.stages import Stages, moved
+from sphsolid.scheme.stages import Stepper, moved
 
 Array = NDArray[np.float64]
 
@@ -60,17 +59,13 @@ class SSPRK3:
         return SSPRK3Stepper(rhs, state, essential)
 
 
-class SSPRK3Stepper:
-    """Advances one state in place; ``account`` is told of every stage."""
+class SSPRK3Stepper(Stepper):
+    """Advances one state in place."""
 
     def __init__(
         self, rhs: RightHandSide, state: State, essential: EssentialConditions
     ) -> None:
-        self.rhs = rhs
-        self.state = state
-        self.essential = essential
-        self.account: Account | NoAccount = NoAccount()
-        self.work = Stages.of(state, rhs.rates, rhs.formulation)
+        super().__init__(rhs, state, essential)
         self._y = np.empty_like(state.x)
 
     def advance(self, dt: float, t: float) -> None:

@@ -8,8 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sphsolid.compiled import kernel, prange
+from sphsolid.scheme.boundary import EssentialConditions
 from sphsolid.scheme.formulation import Formulation
-from sphsolid.scheme.right_hand_side import State
+from sphsolid.scheme.power import Account, NoAccount
+from sphsolid.scheme.right_hand_side import RightHandSide, State
 
 Array = NDArray[np.float64]
 
@@ -71,3 +73,16 @@ class Stages:
         """``U = share U^n + (1 - share) (U + dt R)``, exactly ``U^n`` where nothing changes."""
         for field, rate, saved in zip(self.fields, self.rates, self.saved, strict=True):
             _convex(share, dt, saved, rate, field)
+
+
+class Stepper:
+    """What every integrator advances in place; ``account`` is told of every stage."""
+
+    def __init__(
+        self, rhs: RightHandSide, state: State, essential: EssentialConditions
+    ) -> None:
+        self.rhs = rhs
+        self.state = state
+        self.essential = essential
+        self.account: Account | NoAccount = NoAccount()
+        self.work = Stages.of(state, rhs.rates, rhs.formulation)

@@ -18,9 +18,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from sphsolid.scheme.boundary import EssentialConditions
-from sphsolid.scheme.power import Account, NoAccount
 from sphsolid.scheme.right_hand_side import RightHandSide, State
-from sphsolid.scheme.stages import Stages, moved
+from sphsolid.scheme.stages import Stepper, moved
 
 
 @dataclass(frozen=True)
@@ -37,17 +36,13 @@ class TVDRK2:
         return TVDRK2Stepper(rhs, state, essential)
 
 
-class TVDRK2Stepper:
-    """Advances one state in place; ``account`` is told of every stage."""
+class TVDRK2Stepper(Stepper):
+    """Advances one state in place."""
 
     def __init__(
         self, rhs: RightHandSide, state: State, essential: EssentialConditions
     ) -> None:
-        self.rhs = rhs
-        self.state = state
-        self.essential = essential
-        self.account: Account | NoAccount = NoAccount()
-        self.work = Stages.of(state, rhs.rates, rhs.formulation)
+        super().__init__(rhs, state, essential)
         self._x_star = np.empty_like(state.x if not rhs.formulation.evolves_F else state.x[:0])
 
     def advance(self, dt: float, t: float) -> None:
