@@ -27,6 +27,7 @@ _COMPILED_PACKAGES = ("sphsolid", "fem_reference")
 #: Rooms without kernels: records and the wiring change often and need no new compilation.
 _NOT_COMPILED = (
     "sphsolid/record/", "sphsolid/simulation.py", "sphsolid/defaults.py", "sphsolid/describe.py",
+    "sphsolid/recommend.py",
 )  # fmt: skip
 
 
@@ -81,6 +82,16 @@ def serial_kernel(function: Callable[..., Any]) -> Callable[..., Any]:
     return numba.njit(cache=True, error_model="numpy")(function)
 
 
+def inlined(function: Callable[..., Any]) -> Callable[..., Any]:
+    """Make a function part of every kernel that calls it, and still plain Python elsewhere.
+
+    LLVM does not inline what it thinks is large, and works on one particle at a time in any loop
+    with a call left in it; with this it works on a whole vector register of particles.
+    """
+    made: Callable[..., Any] = register_jitable(forceinline=True)(function)
+    return made
+
+
 def threads() -> int:
     """Number of threads that kernels use now."""
     return int(numba.get_num_threads())
@@ -111,6 +122,7 @@ def description() -> dict[str, Any]:
 __all__ = [
     "CACHE_DIR",
     "description",
+    "inlined",
     "kernel",
     "kernel_hash",
     "overload",

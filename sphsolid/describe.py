@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from sphsolid.compiled import description
-from sphsolid.defaults import stability_limit
+from sphsolid.defaults import NotTabulated, stability_limit
 from sphsolid.scheme.stabilisation import SUPG
 
 if TYPE_CHECKING:
@@ -24,10 +24,10 @@ def plan(sim: Simulation) -> str:
     lines = [
         f"scene          {sim.scene.name}: {sim.scene.provenance or 'no provenance given'}",
         f"particles      {c.size} primary, spacing {c.spacing:.4g} m, "
-        f"{c.pairs.mean_neighbours:.1f} neighbours (support {c.smoothing.support * c.h:.4g} m "
+        f"{c.kinematic.mean_neighbours:.1f} neighbours (support {c.smoothing.support * c.h:.4g} m "
         f"= {c.smoothing.support * sim.h_over_dx:.3g} dx)",
         f"operator       {sim.operator.name}, "
-        + ("force and gradient adjoint" if c.gradients.is_adjoint else "not adjoint")
+        + ("force and gradient adjoint" if c.is_adjoint else "not adjoint")
         + f"; {sim.consistency}",
         "fields         p, x" + (", F" if f.evolves_F else " (F from the geometry)")
         + (", H" if f.evolves_H else " (H = cof F)")
@@ -37,6 +37,7 @@ def plan(sim: Simulation) -> str:
         "stabilisation  " + _stabilisation(sim),
         f"integrator     {sim.integrator.name}, CFL {step.cfl:g} ({_limit(sim)}), undeformed step "
         f"{step.reference:.4g} s, about {steps} steps, {steps * sim.integrator.stages} evaluations",
+        *([f"formulation    {sim.advice.reason}"] if "formulation" in sim.by_default else []),
         "by default     " + (", ".join(sim.by_default) or "nothing: every option was given"),
         f"memory         {memory / 1e6:.1f} MB, {memory / c.size:.0f} B a particle",
         f"threads        {cost['threads']} ({cost['threading_layer']})",
@@ -48,6 +49,8 @@ def _limit(sim: Simulation) -> str:
     others = {"formulation", "integrator", "cfl"}
     if others.union(sim.by_default) >= {"stabilisation", "h_over_dx", "operator", "smoothing"}:
         limit = stability_limit(sim.integrator, sim.formulation, sim.scene.material)
+        if isinstance(limit, NotTabulated):
+            return "no stability limit is tabulated: python -m studies.stability"
         return (
             f"on a free lattice block at rest modes grow slowly above {limit.slow:g}, fast above "
             f"{limit.fast:g}"
@@ -62,21 +65,21 @@ def _stabilisation(sim: Simulation) -> str:
     return (
         f"{s.name}, {type(s.fine_scale).__name__}, tau_F {s.tau_F:g} dt, xi_F {s.xi_F:g}, "
         f"tau_p {s.tau_p:g} dt" + (" (no R_p pass)" if s.tau_p == 0.0 else "")
-        + f"; {len(sim.secondary.X)} secondary particles, "
-        f"{sim.secondary.pairs.mean_neighbours:.1f} neighbours"
+        + f", {type(s.weighting).__name__}; {len(sim.secondary.X)} secondary particles, "
+        f"{sim.secondary.sampling.mean_neighbours:.1f} neighbours"
     )
 
 
 def memory_bytes(sim: Simulation) -> int:
     """Bytes of all arrays that live during a run."""
-    owners: list[Any] = [sim.cloud, sim.cloud.pairs, sim.cloud.gradients, sim.state]
+    owners: list[Any] = [sim.cloud, sim.state]
     owners += [sim._rhs, sim._rhs.rates, sim._stepper, sim._stepper.work]
     if sim.secondary is not None:
-        owners += [sim.secondary, sim.secondary.pairs, sim.secondary.spread_pairs]
+        owners.append(sim.secondary)
     seen: dict[int, int] = {}
     for owner in owners:
         for value in vars(owner).values():
-            for array in value if isinstance(value, list) else [value]:
+            for array in value if isinstance(value, (list, tuple)) else [value]:
                 if isinstance(array, np.ndarray):
                     base = array if array.base is None else array.base
                     seen[id(base)] = getattr(base, "nbytes", array.nbytes)

@@ -6,6 +6,7 @@ import time as clock
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
+from typing import Literal as OneOf
 
 import numpy as np
 
@@ -19,10 +20,13 @@ from sphsolid.defaults import (
     Integrator,
     default_cfl,
     default_h_over_dx,
+    default_integrator,
     default_stabilisation,
+    largest_stable_cfl,
 )
 from sphsolid.describe import memory_bytes, plan, summary
 from sphsolid.errors import InputError
+from sphsolid.recommend import recommend
 from sphsolid.record.balance import Balance, MomentumWatch, NotTracked, total_momentum
 from sphsolid.record.checkpoint import common_identity, restore
 from sphsolid.record.history import History
@@ -34,8 +38,9 @@ from sphsolid.record.snapshot import Snapshot
 from sphsolid.record.vtu import write_vtu
 from sphsolid.scenes.scene import FromGeometry, Scene
 from sphsolid.scheme.boundary import EssentialConditions, Loads
-from sphsolid.scheme.formulation import PF, Formulation
+from sphsolid.scheme.formulation import Formulation
 from sphsolid.scheme.initial_strain import Compatible, Given, InitialStrain
+from sphsolid.scheme.position_verlet import PositionVerlet
 from sphsolid.scheme.power import TERMS, Account
 from sphsolid.scheme.projection import (
     AngularMomentumTreatment,
@@ -44,7 +49,7 @@ from sphsolid.scheme.projection import (
 )
 from sphsolid.scheme.right_hand_side import RightHandSide, State
 from sphsolid.scheme.ssp_rk3 import SSPRK3
-from sphsolid.scheme.stabilisation import SUPG, Stabilisation, check_pair
+from sphsolid.scheme.stabilisation import SUPG, Stabilisation, check_formulation, check_pair
 from sphsolid.scheme.time_step import TimeStep, check_cfl
 from sphsolid.scheme.tvd_rk2 import TVDRK2
 
@@ -73,7 +78,7 @@ class Simulation:
         operator: OperatorKind | None = None,
         smoothing: SmoothingFunction | None = None,
         h_over_dx: float | None = None,
-        cfl: float | None = None,
+        cfl: float | OneOf["auto"] | None = None,
         angular_momentum: AngularMomentumTreatment | None = None,
         initial_strain: InitialStrain | None = None,
         integrator: Integrator | None = None,
@@ -86,9 +91,17 @@ class Simulation:
         #: Options that were left to ``sphsolid.defaults``.
         self.by_default = tuple(name for name, value in given.items() if value is None)
         self.scene = scene
-        self.formulation = PF() if formulation is None else formulation
-        if isinstance(self.formulation, Formulation) and stabilisation is None:
-            stabilisation = default_stabilisation(self.formulation, scene.material)
+        _known("integrator", integrator, TVDRK2, SSPRK3, PositionVerlet)
+        self.integrator: Integrator = default_integrator() if integrator is None else integrator
+        self.advice = recommend(scene)
+        self.formulation = self.advice.formulation if formulation is None else formulation
+        check_formulation(self.formulation)
+        if cfl == "auto":
+            cfl = largest_stable_cfl(self.integrator, self.formulation, scene.material)
+        cfl = default_cfl(self.integrator) if cfl is None else cfl
+        check_cfl(cfl)
+        if stabilisation is None:
+            stabilisation = default_stabilisation(self.formulation, scene.material, cfl)
         check_pair(self.formulation, stabilisation)
         self.stabilisation: Stabilisation = stabilisation
         if smoothing is not None and not hasattr(smoothing, "slope"):
@@ -99,11 +112,7 @@ class Simulation:
         _known("operator", operator, Literal, Consistent)
         _known("angular_momentum", angular_momentum, LocalProjection, NoProjection)
         _known("initial_strain", initial_strain, Compatible, Given)
-        _known("integrator", integrator, TVDRK2, SSPRK3)
         self.operator = Consistent() if operator is None else operator
-        self.integrator: Integrator = SSPRK3() if integrator is None else integrator
-        cfl = default_cfl(self.integrator) if cfl is None else cfl
-        check_cfl(cfl)
         self.angular_momentum = (
             LocalProjection() if angular_momentum is None else angular_momentum
         )
@@ -117,7 +126,12 @@ class Simulation:
             operator=self.operator,
         )
         self.secondary = (
-            build_secondary(self.cloud, self.stabilisation.secondary, h_over_dx=h_over_dx)
+            build_secondary(
+                self.cloud,
+                self.stabilisation.secondary,
+                h_over_dx=h_over_dx,
+                adjoint_weight=self.stabilisation.is_self_adjoint,
+            )
             if isinstance(self.stabilisation, SUPG)
             else None
         )
@@ -168,7 +182,7 @@ class Simulation:
             )
         if asked is not None:
             return asked
-        adjoint = self.cloud.gradients.is_adjoint
+        adjoint = self.cloud.is_adjoint
         return Given() if stated and self.formulation.evolves_F and not adjoint else Compatible()
 
     def _initial_state(self, essential: EssentialConditions) -> State:
@@ -177,7 +191,8 @@ class Simulation:
         p = self.scene.material.density * v
         essential.impose(p, 0.0)
         x = cloud.X + u
-        F = np.empty((cloud.size, 3, 3))
+        state = State.zeros(cloud.size, f, particle_major=cloud.particle_major)
+        F = state.F
         given = self.scene.initial_deformation_gradient
         if isinstance(self.initial_strain, Given) and not isinstance(given, FromGeometry):
             stated = np.asarray(given(cloud.X), dtype=float)
@@ -200,17 +215,19 @@ class Simulation:
                 f"{cloud.X[a].tolist()} m (det F = {detF[a]:.3g}); reduce the initial "
                 "displacement or correct the initial deformation gradient"
             )
-        self._rhs.set_geometry(x)
-        H = join(cofactor(entries)) if f.evolves_H else np.zeros((0, 3, 3))
-        J = np.array(determinant(entries)) if f.evolves_J else np.zeros(0)
-        return State(p=p, x=x, F=F, H=H, J=J)
+        state.p[:], state.x[:] = p, x
+        if f.evolves_H:
+            state.H[:] = join(cofactor(entries))
+        if f.evolves_J:
+            state.J[:] = determinant(entries)
+        return state
 
     def stable_time_step(self) -> float:
         """Largest step allowed now [s]; raises ``Diverged`` when the state is invalid."""
-        s = self.state
         return self._time_step.stable(
-            self.formulation.evolves_J, s.p, s.F, s.J, self.cloud.X, self.time, self.step
-        )
+            self.formulation.evolves_J, self.state, self.cloud.X, self.time, self.step,
+            self._rhs.scratch,
+        )  # fmt: skip
 
     def advance(self, dt: float) -> None:
         """One step of ``dt`` [s]."""
@@ -301,8 +318,7 @@ class Simulation:
         return arrays
 
     def state_changed(self) -> None:
-        """Bring what is derived from the state up to date."""
-        self._rhs.set_geometry(self.state.x)
+        """Nothing is derived from the state between steps."""
 
     def snapshot(self) -> Snapshot:
         """Copies of the state now, with the constitutive stress ``P(F, H, J)``."""

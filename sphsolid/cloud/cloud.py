@@ -17,6 +17,7 @@ from sphsolid.cloud.gradient import (
 )
 from sphsolid.cloud.neighbours import PairList, pairs_within, transposed
 from sphsolid.cloud.operator import Gradients, Ingredients, OperatorKind
+from sphsolid.cloud.pair_operator import PairOperator, expanded, pair_operators
 from sphsolid.cloud.secondary import SecondaryPoints
 from sphsolid.cloud.smoothing import SmoothingFunction
 from sphsolid.cloud.support import check_support
@@ -31,20 +32,22 @@ class Cloud:
     """Primary particles.
 
     ``X (N, 3)`` [m], ``V (N,)`` [m^3], ``areas (N, 3)`` [m^2] outward area vectors (zero inside),
-    ``pairs`` who sees whom, ``gradients`` per pair, ``h`` [m] smoothing length, ``spacing`` [m].
-    ``divergence (P, 3)`` [1/m] is the adjoint on the same pair list: ``(DIV P)_a`` is minus
-    ``sum_b P_b g_ab`` with ``g_ab = V_b G_a(X_b) / V_a``.
+    ``h`` [m] smoothing length, ``h_min`` [m] smallest distance between two particles.  Operators
+    on one pair list, three columns each: ``kinematic`` and ``force`` the gradients ``G_b(X_a)``
+    [1/m] (see ``operator.Gradients``; one object when adjoint), ``adjoint`` the divergence
+    ``g_ab = V_b G_a(X_b) / V_a``: ``(DIV P)_a`` is minus ``sum_b P_b g_ab``.
     """
 
     mesh: HexMesh
     X: Array
     V: Array
     areas: Array
-    pairs: PairList
-    gradients: Gradients
-    divergence: Array
+    kinematic: PairOperator
+    force: PairOperator
+    adjoint: PairOperator
     smoothing: SmoothingFunction
     h: float
+    h_min: float
 
     @property
     def spacing(self) -> float:
@@ -52,32 +55,70 @@ class Cloud:
         return self.mesh.spacing
 
     @property
-    def h_min(self) -> float:
-        """Smallest distance [m] between two particles of the reference body."""
-        distance = np.linalg.norm(offsets(self.X, self.X, self.pairs), axis=1)
-        return float(np.min(distance[distance > 0.0]))
-
-    @property
     def size(self) -> int:
         """Number of primary particles."""
         return len(self.X)
+
+    @property
+    def is_adjoint(self) -> bool:
+        """True when force and kinematics share one gradient."""
+        return self.kinematic is self.force
+
+    @property
+    def particle_major(self) -> bool:
+        """How tensor fields should lie in memory (see ``fields``): no stencil serves here."""
+        return len(self.adjoint.stencil) == 0
+
+    @property
+    def pairs(self) -> PairList:
+        """Who sees whom, written out (it takes memory; nothing in a step needs it)."""
+        return expanded(self.kinematic)[0]
+
+    @property
+    def gradients(self) -> Gradients:
+        """Coefficients ``(P, 3)`` [1/m] of every pair, written out."""
+        kinematic = expanded(self.kinematic)[1]
+        return Gradients(kinematic, kinematic if self.is_adjoint else expanded(self.force)[1])
+
+    @property
+    def divergence(self) -> Array:
+        """``g_ab (P, 3)`` [1/m] of every pair, written out."""
+        return expanded(self.adjoint)[1]
 
 
 @dataclass(frozen=True)
 class Secondary:
     """Secondary particles and their coupling to the primaries.
 
-    ``sample (P, 4)``: gradient ``G_a(X_q)`` [1/m] and weight ``V_a W~_a(X_q)`` of every pair,
-    side by side because they are read together.  ``spread_pairs, spread (P, 3)``: the adjoint by
-    primary particle, ``V_q G_a(X_q) / V_a``.
+    ``sampling``, four columns: gradient ``G_a(X_q)`` [1/m] and weight ``V_a W~_a(X_q)`` of every
+    pair.  ``spreading``: the adjoint by primary particle, ``V_q G_a(X_q) / V_a`` and, when it was
+    asked for, ``V_q V_a W~_a(X_q) / V_a``.
     """
 
     X: Array
     V: Array
-    pairs: PairList
-    sample: Array
-    spread_pairs: PairList
-    spread: Array
+    sampling: PairOperator
+    spreading: PairOperator
+
+    @property
+    def pairs(self) -> PairList:
+        """Who is seen from every secondary particle, written out."""
+        return expanded(self.sampling)[0]
+
+    @property
+    def sample(self) -> Array:
+        """Coefficients ``(P, 4)`` of :attr:`pairs`."""
+        return expanded(self.sampling)[1]
+
+    @property
+    def spread_pairs(self) -> PairList:
+        """Which secondary particles see a primary, written out."""
+        return expanded(self.spreading)[0]
+
+    @property
+    def spread(self) -> Array:
+        """Gradient coefficients ``(P, 3)`` of :attr:`spread_pairs`."""
+        return expanded(self.spreading)[1][:, :3]
 
 
 @dataclass(frozen=True)
@@ -106,11 +147,13 @@ def build_cloud(
     smoothing: SmoothingFunction,
     h_over_dx: float,
     operator: OperatorKind,
+    stencils: bool = True,
 ) -> Cloud:
     """Particles on the vertices of ``mesh`` with the operators of ``operator``.
 
     Raises ``InputError`` for a non-positive ``h_over_dx``, a support that is too small (naming
     the particle and the value to raise it to) or an operator that does not exist on this cloud.
+    ``stencils=False`` stores every particle's own pairs, as on an irregular cloud.
     """
     require(
         np.isfinite(h_over_dx) and h_over_dx > 0.0,
@@ -126,18 +169,36 @@ def build_cloud(
         h_over_dx=h_over_dx, support=smoothing.support, spacing=mesh.spacing, what="primary",
     )  # fmt: skip
     gradients = operator.build(Ingredients(mesh, V, areas, pairs, smoothing, h))
-    divergence = _adjoint(gradients.force, pairs, V)
-    return Cloud(mesh, X, V, areas, pairs, gradients, divergence, smoothing, h)
+    columns = [gradients.kinematic]
+    if not gradients.is_adjoint:
+        columns.append(gradients.force)
+    columns.append(_adjoint(gradients.force, pairs, V))
+    operators = pair_operators(pairs, columns, len(X), stencils=stencils)
+    kinematic, force, adjoint = operators[0], operators[-2], operators[-1]
+    h_min = _h_min(X, pairs)
+    return Cloud(mesh, X, V, areas, kinematic, force, adjoint, smoothing, h, h_min)
+
+
+def _h_min(X: Array, pairs: PairList) -> float:
+    distance = np.linalg.norm(offsets(X, X, pairs), axis=1)
+    return float(np.min(distance[distance > 0.0]))
 
 
 def _adjoint(G: Array, pairs: PairList, V: Array) -> Array:
     """``g_ab = V_b G_a(X_b) / V_a``; the pair list is symmetric, so it is its own transpose."""
     _, place = transposed(pairs, pairs.rows)
     scale = V[pairs.indices] / V[pairs.row_of_pair]
-    return np.ascontiguousarray(G[place] * scale[:, None])
+    return np.asarray(G[place] * scale[:, None])
 
 
-def build_secondary(cloud: Cloud, points: SecondaryPoints, *, h_over_dx: float) -> Secondary:
+def build_secondary(
+    cloud: Cloud,
+    points: SecondaryPoints,
+    *,
+    h_over_dx: float,
+    adjoint_weight: bool = False,
+    stencils: bool = True,
+) -> Secondary:
     """Secondary particles of the cloud's mesh with the cloud's smoothing function."""
     X, V = points.place(cloud.mesh)
     reach = cloud.smoothing.support * cloud.h
@@ -150,22 +211,26 @@ def build_secondary(cloud: Cloud, points: SecondaryPoints, *, h_over_dx: float) 
     arguments = (X, cloud.X, cloud.V, pairs, cloud.smoothing, cloud.h)
     G = corrected_gradient(*arguments)
     weight = linear_interpolation(*arguments)
-    sample = np.ascontiguousarray(np.concatenate([G, weight[:, None]], axis=1))
+    sample = np.concatenate([G, weight[:, None]], axis=1)
+    (sampling,) = pair_operators(pairs, [sample], cloud.size, stencils=stencils)
     spread_pairs, place = transposed(pairs, cloud.size)
     volume_of_pair = V[pairs.row_of_pair] / cloud.V[pairs.indices]
-    spread = np.ascontiguousarray((G * volume_of_pair[:, None])[place])
-    return Secondary(X, V, pairs, sample, spread_pairs, spread)
+    columns = sample if adjoint_weight else G
+    spread = (columns * volume_of_pair[:, None])[place]
+    (spreading,) = pair_operators(spread_pairs, [spread], len(X), stencils=stencils)
+    return Secondary(X, V, sampling, spreading)
 
 
 def consistency_report(cloud: Cloud, exact_volume: float) -> ConsistencyReport:
     """Measure C0, C1, D0 and the volume of a cloud (see :class:`ConsistencyReport`)."""
-    d = offsets(cloud.X, cloud.X, cloud.pairs)
+    pairs, gradients = cloud.pairs, cloud.gradients
+    d = offsets(cloud.X, cloud.X, pairs)
     C0 = C1 = 0.0
-    for G in (cloud.gradients.kinematic, cloud.gradients.force):
-        C0 = max(C0, float(np.max(np.abs(row_sum(cloud.pairs, G)))) * cloud.spacing)
-        linear = row_sum(cloud.pairs, d[:, :, None] * G[:, None, :])
+    for G in {id(G): G for G in (gradients.kinematic, gradients.force)}.values():
+        C0 = max(C0, float(np.max(np.abs(row_sum(pairs, G)))) * cloud.spacing)
+        linear = row_sum(pairs, d[:, :, None] * G[:, None, :])
         C1 = max(C1, float(np.max(np.abs(linear - np.eye(3)))))
-    defect = divergence_defect(cloud.gradients.force, cloud.pairs, cloud.V, cloud.areas)
+    defect = divergence_defect(gradients.force, pairs, cloud.V, cloud.areas)
     area = float(np.max(np.linalg.norm(cloud.areas, axis=1)))
     return ConsistencyReport(
         C0=C0,

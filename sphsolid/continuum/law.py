@@ -21,7 +21,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from sphsolid.compiled import overload, register_jitable
+from sphsolid.compiled import inlined, overload
 from sphsolid.continuum.tensor import (
     IDENTITY,
     Tensor,
@@ -41,6 +41,8 @@ _LAWS: dict[str, dict[type, Callable[..., Any]]] = {
     "hessian_action": {},
 }
 
+_INLINED = {"forceinline": True}
+
 
 def register_law(
     parameters: type,
@@ -51,10 +53,10 @@ def register_law(
     hessian_action: Callable[..., Any],
 ) -> None:
     """Make a law known to the generic functions under the type of its parameters."""
-    _LAWS["energy"][parameters] = register_jitable(energy)
-    _LAWS["conjugate_stresses"][parameters] = register_jitable(conjugate_stresses)
-    _LAWS["first_piola"][parameters] = register_jitable(first_piola)
-    _LAWS["hessian_action"][parameters] = register_jitable(hessian_action)
+    _LAWS["energy"][parameters] = inlined(energy)
+    _LAWS["conjugate_stresses"][parameters] = inlined(conjugate_stresses)
+    _LAWS["first_piola"][parameters] = inlined(first_piola)
+    _LAWS["hessian_action"][parameters] = inlined(hessian_action)
 
 
 def energy(material: Any, F: Tensor, H: Tensor, J: Any) -> Any:
@@ -81,31 +83,31 @@ def hessian_action(
     return _LAWS["hessian_action"][type(material)](material, F, H, J, dF, dH, dJ)
 
 
-@overload(energy)
+@overload(energy, jit_options=_INLINED)
 def _energy(material, F, H, J):  # type: ignore[no-untyped-def]
     law = _LAWS["energy"][material.instance_class]
     return lambda material, F, H, J: law(material, F, H, J)
 
 
-@overload(conjugate_stresses)
+@overload(conjugate_stresses, jit_options=_INLINED)
 def _conjugate_stresses(material, F, H, J):  # type: ignore[no-untyped-def]
     law = _LAWS["conjugate_stresses"][material.instance_class]
     return lambda material, F, H, J: law(material, F, H, J)
 
 
-@overload(first_piola)
+@overload(first_piola, jit_options=_INLINED)
 def _first_piola(material, F, H, J):  # type: ignore[no-untyped-def]
     law = _LAWS["first_piola"][material.instance_class]
     return lambda material, F, H, J: law(material, F, H, J)
 
 
-@overload(hessian_action)
+@overload(hessian_action, jit_options=_INLINED)
 def _hessian_action(material, F, H, J, dF, dH, dJ):  # type: ignore[no-untyped-def]
     law = _LAWS["hessian_action"][material.instance_class]
     return lambda material, F, H, J, dF, dH, dJ: law(material, F, H, J, dF, dH, dJ)
 
 
-@register_jitable
+@inlined
 def stored_energy(material: Any, F: Tensor, H: Tensor, J: Any) -> Any:
     """``W(F, H, J) - W(I, I, 1)`` [J/m^3]: the energy counted from the undeformed state.
 
@@ -115,7 +117,7 @@ def stored_energy(material: Any, F: Tensor, H: Tensor, J: Any) -> Any:
     return energy(material, F, H, J) - energy(material, IDENTITY, IDENTITY, 1.0)
 
 
-@register_jitable
+@inlined
 def tangent_action(material: Any, F: Tensor, dF: Tensor) -> Tensor:
     """Increment of ``P(F, cof F, det F)`` along ``dF``.
 

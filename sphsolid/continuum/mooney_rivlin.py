@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from typing import Any, NamedTuple
 
+from sphsolid.continuum.inverse_root import inverse_two_thirds
 from sphsolid.continuum.law import register_law
 from sphsolid.continuum.moduli import bulk_modulus, check_elastic, shear_modulus
 from sphsolid.continuum.tensor import Tensor, add, axpy, contract, cross, scale
@@ -57,15 +58,14 @@ class MooneyRivlin(NamedTuple):
 
 def energy(m: MooneyRivlin, F: Tensor, H: Tensor, J: Any) -> Any:
     """Eq. (7)."""
-    deviatoric = m.varsigma * J ** (-2.0 / 3.0) * contract(F, F) + m.xi * contract(H, H) ** 1.5 / (
-        J * J
-    )
-    return deviatoric + 0.5 * m.kappa * (J - 1.0) * (J - 1.0)
+    by_F = m.varsigma * inverse_two_thirds(J) * contract(F, F)
+    by_H = m.xi * contract(H, H) ** 1.5 / (J * J)
+    return by_F + by_H + 0.5 * m.kappa * (J - 1.0) * (J - 1.0)
 
 
 def conjugate_stresses(m: MooneyRivlin, F: Tensor, H: Tensor, J: Any) -> tuple[Tensor, Tensor, Any]:
     """Eq. (8)."""
-    a = 2.0 * m.varsigma * J ** (-2.0 / 3.0)
+    a = 2.0 * m.varsigma * inverse_two_thirds(J)
     root = contract(H, H) ** 0.5
     b = 3.0 * m.xi * root / (J * J)
     Sigma_J = (
@@ -88,7 +88,7 @@ def hessian_action(
     """Eqs. (10)-(12)."""
     I2 = contract(H, H)
     root = I2**0.5
-    a = 2.0 * m.varsigma * J ** (-2.0 / 3.0)
+    a = 2.0 * m.varsigma * inverse_two_thirds(J)
     b = 3.0 * m.xi * root / (J * J)
     W_FJ = -2.0 / 3.0 * a / J
     W_HJ = -2.0 * b / J

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
+from sphsolid.continuum.inverse_root import inverse_two_thirds
 from sphsolid.continuum.law import register_law
 from sphsolid.continuum.moduli import bulk_modulus, check_elastic, shear_modulus
 from sphsolid.continuum.tensor import Tensor, axpy, contract, scale
@@ -41,19 +42,20 @@ class NeoHookean(NamedTuple):
 
 def energy(m: NeoHookean, F: Tensor, H: Tensor, J: Any) -> Any:
     """Eq. (7), ``xi = 0``."""
-    return 0.5 * m.mu * J ** (-2.0 / 3.0) * contract(F, F) + 0.5 * m.kappa * (J - 1.0) * (J - 1.0)
+    deviatoric = 0.5 * m.mu * inverse_two_thirds(J) * contract(F, F)
+    return deviatoric + 0.5 * m.kappa * (J - 1.0) * (J - 1.0)
 
 
 def conjugate_stresses(m: NeoHookean, F: Tensor, H: Tensor, J: Any) -> tuple[Tensor, Tensor, Any]:
     """Eq. (8), ``xi = 0``."""
-    c = m.mu * J ** (-2.0 / 3.0)
+    c = m.mu * inverse_two_thirds(J)
     Sigma_J = -c * contract(F, F) / (3.0 * J) + m.kappa * (J - 1.0)
     return scale(c, F), scale(0.0, H), Sigma_J
 
 
 def first_piola(m: NeoHookean, F: Tensor, H: Tensor, J: Any) -> Tensor:
     """Eq. (9) with ``Sigma_H = 0``: the tensor cross product is never formed."""
-    c = m.mu * J ** (-2.0 / 3.0)
+    c = m.mu * inverse_two_thirds(J)
     Sigma_J = -c * contract(F, F) / (3.0 * J) + m.kappa * (J - 1.0)
     return axpy(Sigma_J, H, scale(c, F))
 
@@ -62,7 +64,7 @@ def hessian_action(
     m: NeoHookean, F: Tensor, H: Tensor, J: Any, dF: Tensor, dH: Tensor, dJ: Any
 ) -> tuple[Tensor, Tensor, Any]:
     """Eqs. (10)-(12), ``xi = 0``."""
-    c = m.mu * J ** (-2.0 / 3.0)
+    c = m.mu * inverse_two_thirds(J)
     W_FJ = -2.0 / 3.0 * c / J
     dSigma_F = axpy(W_FJ * dJ, F, scale(c, dF))
     W_JJ = 5.0 / 9.0 * c * contract(F, F) / (J * J) + m.kappa

@@ -13,7 +13,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from sphsolid.compiled import register_jitable
+from sphsolid.compiled import inlined
 
 #: Nine entries in row order; see the module text for what an entry may be.
 Tensor = tuple[Any, Any, Any, Any, Any, Any, Any, Any, Any]
@@ -23,7 +23,7 @@ Vector = tuple[Any, Any, Any]
 IDENTITY: Tensor = (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)
 
 
-@register_jitable
+@inlined
 def load(field: Any, a: int) -> Tensor:
     """Tensor of particle ``a`` from ``field (N, 3, 3)``."""
     return (
@@ -33,7 +33,7 @@ def load(field: Any, a: int) -> Tensor:
     )  # fmt: skip
 
 
-@register_jitable
+@inlined
 def store(A: Tensor, field: Any, a: int) -> None:
     """Write ``A`` into row ``a`` of ``field (N, 3, 3)``."""
     field[a, 0, 0] = A[0]
@@ -47,7 +47,7 @@ def store(A: Tensor, field: Any, a: int) -> None:
     field[a, 2, 2] = A[8]
 
 
-@register_jitable
+@inlined
 def add(A: Tensor, B: Tensor) -> Tensor:
     """``A + B``."""
     return (
@@ -57,7 +57,7 @@ def add(A: Tensor, B: Tensor) -> Tensor:
     )  # fmt: skip
 
 
-@register_jitable
+@inlined
 def scale(s: Any, A: Tensor) -> Tensor:
     """``s A``."""
     return (
@@ -67,7 +67,7 @@ def scale(s: Any, A: Tensor) -> Tensor:
     )  # fmt: skip
 
 
-@register_jitable
+@inlined
 def axpy(s: Any, A: Tensor, B: Tensor) -> Tensor:
     """``s A + B``."""
     return (
@@ -77,7 +77,7 @@ def axpy(s: Any, A: Tensor, B: Tensor) -> Tensor:
     )  # fmt: skip
 
 
-@register_jitable
+@inlined
 def contract(A: Tensor, B: Tensor) -> Any:
     """``A : B = A_iI B_iI``."""
     return (
@@ -87,7 +87,7 @@ def contract(A: Tensor, B: Tensor) -> Any:
     )  # fmt: skip
 
 
-@register_jitable
+@inlined
 def cross(A: Tensor, B: Tensor) -> Tensor:
     """Tensor cross product ``(A x B)_iI = eps_ijk eps_IJK A_jJ B_kK`` ([Bonet2016] eq. (7))."""
     return (
@@ -103,7 +103,7 @@ def cross(A: Tensor, B: Tensor) -> Tensor:
     )
 
 
-@register_jitable
+@inlined
 def cofactor(F: Tensor) -> Tensor:
     """``cof F = (F x F) / 2``, the area map of ``F``."""
     return (
@@ -119,7 +119,7 @@ def cofactor(F: Tensor) -> Tensor:
     )
 
 
-@register_jitable
+@inlined
 def determinant(F: Tensor) -> Any:
     """``det F``, the volume map of ``F``."""
     return (
@@ -129,7 +129,7 @@ def determinant(F: Tensor) -> Any:
     )
 
 
-@register_jitable
+@inlined
 def multiply(A: Tensor, B: Tensor) -> Tensor:
     """``A B``."""
     return (
@@ -145,13 +145,13 @@ def multiply(A: Tensor, B: Tensor) -> Tensor:
     )
 
 
-@register_jitable
+@inlined
 def transpose(A: Tensor) -> Tensor:
     """``A^T``."""
     return (A[0], A[3], A[6], A[1], A[4], A[7], A[2], A[5], A[8])
 
 
-@register_jitable
+@inlined
 def apply(A: Tensor, n: Vector) -> Vector:
     """``A n``."""
     return (
@@ -161,13 +161,13 @@ def apply(A: Tensor, n: Vector) -> Vector:
     )
 
 
-@register_jitable
+@inlined
 def axial(A: Tensor) -> Vector:
     """Axial vector ``(E : A)_i = eps_ijk A_jk``; zero exactly when ``A`` is symmetric."""
     return (A[5] - A[7], A[6] - A[2], A[1] - A[3])
 
 
-@register_jitable
+@inlined
 def vector_cross(w: Vector, F: Tensor) -> Tensor:
     """``(w x F)_iI = eps_ijk w_j F_kI``: the columns of ``F`` crossed from the left by ``w``."""
     return (
@@ -183,7 +183,7 @@ def vector_cross(w: Vector, F: Tensor) -> Tensor:
     )
 
 
-@register_jitable
+@inlined
 def solve_symmetric(A: Tensor, r: Vector) -> Vector:
     """``A^-1 r`` for symmetric ``A`` by the cofactor (``cof A`` is symmetric too)."""
     C = cofactor(A)

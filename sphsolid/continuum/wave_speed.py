@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from sphsolid.compiled import register_jitable
+from sphsolid.compiled import inlined
 from sphsolid.continuum.law import tangent_action
 from sphsolid.continuum.moduli import first_lame
 from sphsolid.continuum.tensor import Tensor, split
@@ -52,11 +52,14 @@ def wave_speeds(material: Any, F: Any, N: Any) -> Any:
         return np.sqrt(np.linalg.eigvalsh(acoustic_tensor(material, F, N)) / material.density)
 
 
-@register_jitable
+@inlined
 def smallest_stretch(F: Tensor) -> float:
     """Smallest principal stretch: the square root of the least eigenvalue of ``F^T F``.
 
-    Closed trigonometric form for a symmetric 3x3 matrix; ``nan`` in gives ``nan`` out.
+    The eigenvalues of ``C = m I + d B`` with ``tr B = 0``, ``B : B = 6`` are ``m + d x`` with ``x``
+    a root of ``x^3 - 3 x = det B``.  Newton's method finds the least one, which lies in
+    ``[-2, -1]``: no trigonometric function keeps a loop from working on several particles at once.
+    ``nan`` in gives ``nan`` out.
     """
     c00 = F[0] * F[0] + F[3] * F[3] + F[6] * F[6]
     c11 = F[1] * F[1] + F[4] * F[4] + F[7] * F[7]
@@ -69,19 +72,20 @@ def smallest_stretch(F: Tensor) -> float:
     d1 = c11 - mean
     d2 = c22 - mean
     p2 = d0 * d0 + d1 * d1 + d2 * d2 + 2.0 * (c01 * c01 + c02 * c02 + c12 * c12)
-    p = math.sqrt(p2 / 6.0)
-    if p <= 1.0e-14 * mean:
-        return math.sqrt(mean)
+    d = math.sqrt(p2 / 6.0)
     det = (
         d0 * (d1 * d2 - c12 * c12)
         - c01 * (c01 * d2 - c12 * c02)
         + c02 * (c01 * c12 - d1 * c02)
     )  # fmt: skip
-    r = det / (2.0 * p * p * p)
-    if r > 1.0:
-        r = 1.0
-    elif r < -1.0:
-        r = -1.0
-    angle = math.acos(r) / 3.0 + 2.0 * math.pi / 3.0
-    least = mean + 2.0 * p * math.cos(angle)
+    # Half of det B; a multiple of the identity has d = 0 and no B, and any root will do.
+    r = det / (2.0 * d * d * d + 1.0e-300)
+    r = 1.0 if r > 1.0 else r
+    r = -1.0 if r < -1.0 else r
+    # Exact at both ends, to 1 % between; the root is double at r = 1, hence the square root.
+    half = math.sqrt(0.5 * (1.0 - r))
+    x = -1.0 - 2.0 / math.sqrt(3.0) * half * (1.0 - (1.0 - 0.5 * math.sqrt(3.0)) * half)
+    for _ in range(4):
+        x = x - (x * x * x - 3.0 * x - 2.0 * r) / (3.0 * x * x - 3.0 + 1.0e-300)
+    least = mean + d * x
     return math.sqrt(least) if least > 0.0 else 0.0 * least

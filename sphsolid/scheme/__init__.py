@@ -2,12 +2,15 @@
 
 from sphsolid.scheme.formulation import PF, PFHJ, PFJ, PJ, Displacement, Formulation
 from sphsolid.scheme.initial_strain import Compatible, Given, InitialStrain
+from sphsolid.scheme.position_verlet import PositionVerlet
 from sphsolid.scheme.projection import LocalProjection, NoProjection
 from sphsolid.scheme.ssp_rk3 import SSPRK3
 from sphsolid.scheme.stabilisation import (
     SUPG,
+    AsPrinted,
     FullHessian,
     NoStabilisation,
+    SelfAdjoint,
     SimplifiedHessian,
     Stabilisation,
     StabilisedStrains,
@@ -22,6 +25,7 @@ __all__ = [
     "SUPG",
     "SSPRK3",
     "TVDRK2",
+    "AsPrinted",
     "Compatible",
     "Displacement",
     "Formulation",
@@ -31,6 +35,8 @@ __all__ = [
     "LocalProjection",
     "NoProjection",
     "NoStabilisation",
+    "PositionVerlet",
+    "SelfAdjoint",
     "SimplifiedHessian",
     "Stabilisation",
     "StabilisedStrains",

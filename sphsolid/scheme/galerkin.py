@@ -1,87 +1,107 @@
-"""Bubnov-Galerkin rates at the primary particles, [Lee2017] eqs. (31)-(32)."""
+"""Bubnov-Galerkin rates at the primary particles, [Lee2017] eqs. (31)-(32).
+
+Fields are component-major rows ``(components, .)`` (see ``fields``), operators ``PairOperator``.
+"""
 
 from __future__ import annotations
 
-from sphsolid.compiled import kernel, prange
+from typing import Any
+
+from sphsolid.compiled import inlined, kernel, prange
 from sphsolid.continuum import law
-from sphsolid.continuum.tensor import (
-    axpy,
-    cofactor,
-    contract,
-    cross,
-    determinant,
-    load,
-    scale,
-    store,
-)
+from sphsolid.continuum.tensor import Tensor, cofactor, contract, cross, determinant
+from sphsolid.fields import LANES
+from sphsolid.scheme import tile as on_tile
 from sphsolid.scheme.projection import project
+from sphsolid.scheme.tile import STRIDE, U, load_lane, store_lane
+
+# Scratch rows of ``coarse``.
+_L, _F_X, _F, _P, _H, _H_DOT, _J, _J_DOT = 0, 9, 18, 27, 36, 45, 54, 55
 
 
 @kernel
-def gradient(indptr, indices, G, f, factor, out):  # type: ignore[no-untyped-def]
-    """``out_a = factor * sum_b f_b (x) G_b(X_a)  (N, 3, 3)`` for a vector field ``f (N, 3)``."""
-    for a in prange(len(indptr) - 1):
-        s00 = s01 = s02 = s10 = s11 = s12 = s20 = s21 = s22 = 0.0
-        for k in range(indptr[a], indptr[a + 1]):
-            b = indices[k]
-            g0, g1, g2 = G[k, 0], G[k, 1], G[k, 2]
-            f0, f1, f2 = f[b, 0], f[b, 1], f[b, 2]
-            s00 += f0 * g0
-            s01 += f0 * g1
-            s02 += f0 * g2
-            s10 += f1 * g0
-            s11 += f1 * g1
-            s12 += f1 * g2
-            s20 += f2 * g0
-            s21 += f2 * g1
-            s22 += f2 * g2
-        store(scale(factor, (s00, s01, s02, s10, s11, s12, s20, s21, s22)), out, a)
+def gradient(G, f, factor, out, scratch):  # type: ignore[no-untyped-def]
+    """``out_a = factor * sum_b f_b (x) G_b(X_a)  (9, .)`` for a vector field ``f (3, .)``."""
+    tiles, workers = len(G.runs) - 1, len(scratch)
+    for t in prange(workers):
+        S = scratch[t]
+        begin, end = on_tile.share(t, workers, tiles)
+        for tile in range(begin, end):
+            at = tile * U(LANES)
+            on_tile.gradient(G, tile, at, f, factor, S, _L)
+            on_tile.put_tensor(S, _L, at, out)
+
+
+@inlined
+def _cofactor(S: Any, lane: Any, has_H: Any) -> Tensor:
+    """``H``, the evolved one or that of ``F``."""
+    return load_lane(S, _H, lane) if has_H else cofactor(load_lane(S, _F, lane))
 
 
 @kernel
-def strain_rates(has_H, has_J, L, F, H, Hdot, Jdot):  # type: ignore[no-untyped-def]
-    """Eqs. (31c) and (31d): ``dH/dt = F x grad v``, ``dJ/dt = H : grad v``; ``L = grad v``."""
-    for a in prange(len(L)):
-        F_a = load(F, a)
-        L_a = load(L, a)
-        if has_H:
-            store(cross(F_a, L_a), Hdot, a)
-        if has_J:
-            H_a = load(H, a) if has_H else cofactor(F_a)
-            Jdot[a] = contract(H_a, L_a)
+def coarse(  # type: ignore[no-untyped-def]
+    material, G_k, G_f, adjoint, has_H, has_J, needs_rates, projects, projects_rate,
+    p, x, F, H, J, P, Fdot, Hdot, Jdot, Fdot_C, scratch,
+):  # fmt: skip
+    """Eqs. (31b)-(31d) and the stress (9), projected by (40) when ``projects``.
+
+    ``dF/dt = sum_b (p_b / rho0) (x) G_b``, ``dH/dt = F x grad v``, ``dJ/dt = H : grad v`` with the
+    kinematic gradient ``G_k`` (when ``needs_rates``); ``F_x = sum_b x_b (x) G_b`` with the one
+    whose adjoint makes the force, ``G_f``, the same one when ``adjoint``.  It is used at once and
+    never stored.  ``Fdot_C`` is the projected rate, when ``projects_rate``.
+    """
+    tiles, workers = len(G_k.runs) - 1, len(scratch)
+    for t in prange(workers):
+        S = scratch[t]
+        begin, end = on_tile.share(t, workers, tiles)
+        for tile in range(begin, end):
+            at = tile * U(LANES)
+            on_tile.fetch_tensor(F, at, S, _F)
+            if has_H:
+                on_tile.fetch_tensor(H, at, S, _H)
+            if has_J:
+                on_tile.fetch(J, 1, at, S, _J)
+            if needs_rates and projects and adjoint:
+                on_tile.two_gradients(G_k, tile, at, p, 1.0 / material.density, x, S, _L, _F_X)
+            elif needs_rates:
+                on_tile.gradient(G_k, tile, at, p, 1.0 / material.density, S, _L)
+            if projects and not (needs_rates and adjoint):
+                on_tile.gradient(G_f, tile, at, x, 1.0, S, _F_X)
+            if needs_rates:
+                on_tile.put_tensor(S, _L, at, Fdot)
+                if projects_rate:
+                    for lane in range(U(LANES)):
+                        rate = project(load_lane(S, _L, lane), load_lane(S, _F_X, lane))
+                        store_lane(rate, S, _P, lane)
+                    on_tile.put_tensor(S, _P, at, Fdot_C)
+                if has_H:
+                    for lane in range(U(LANES)):
+                        rate = cross(load_lane(S, _F, lane), load_lane(S, _L, lane))
+                        store_lane(rate, S, _H_DOT, lane)
+                    on_tile.put_tensor(S, _H_DOT, at, Hdot)
+                if has_J:
+                    for lane in range(U(LANES)):
+                        H_a = _cofactor(S, lane, has_H)
+                        S[U(_J_DOT * STRIDE) + lane] = contract(H_a, load_lane(S, _L, lane))
+                    on_tile.put(S, _J_DOT, 1, at, Jdot)
+            for lane in range(U(LANES)):
+                F_a = load_lane(S, _F, lane)
+                J_a = S[U(_J * STRIDE) + lane] if has_J else determinant(F_a)
+                P_a = law.first_piola(material, F_a, _cofactor(S, lane, has_H), J_a)
+                if projects:
+                    P_a = project(P_a, load_lane(S, _F_X, lane))
+                store_lane(P_a, S, _P, lane)
+            on_tile.put_tensor(S, _P, at, P)
 
 
 @kernel
-def stress(material, has_H, has_J, projects, F, H, J, F_x, P):  # type: ignore[no-untyped-def]
-    """``P_a = P(F_a, H_a, J_a)`` (9), projected by (40) when ``projects``."""
-    for a in prange(len(F)):
-        F_a = load(F, a)
-        H_a = load(H, a) if has_H else cofactor(F_a)
-        J_a = J[a] if has_J else determinant(F_a)
-        P_a = law.first_piola(material, F_a, H_a, J_a)
-        if projects:
-            P_a = project(P_a, load(F_x, a))
-        store(P_a, P, a)
-
-
-@kernel
-def combine(c_rate, c_state, rate, state, out):  # type: ignore[no-untyped-def]
-    """``out = c_rate * rate + c_state * state`` for tensor fields ``(N, 3, 3)``."""
-    for a in prange(len(out)):
-        store(axpy(c_rate, load(rate, a), scale(c_state, load(state, a))), out, a)
-
-
-@kernel
-def internal_force(indptr, indices, g, P, out):  # type: ignore[no-untyped-def]
-    """``out_a = -sum_b P_b g_ab  (N, 3)``: minus the ``T_a`` of eq. (32) [N/m^3]."""
-    for a in prange(len(indptr) - 1):
-        s0 = s1 = s2 = 0.0
-        for k in range(indptr[a], indptr[a + 1]):
-            b = indices[k]
-            g0, g1, g2 = g[k, 0], g[k, 1], g[k, 2]
-            s0 += P[b, 0, 0] * g0 + P[b, 0, 1] * g1 + P[b, 0, 2] * g2
-            s1 += P[b, 1, 0] * g0 + P[b, 1, 1] * g1 + P[b, 1, 2] * g2
-            s2 += P[b, 2, 0] * g0 + P[b, 2, 1] * g1 + P[b, 2, 2] * g2
-        out[a, 0] = -s0
-        out[a, 1] = -s1
-        out[a, 2] = -s2
+def internal_force(g, P, out, scratch):  # type: ignore[no-untyped-def]
+    """``out_a = -sum_b P_b g_ab  (3, .)``: minus the ``T_a`` of eq. (32) [N/m^3]."""
+    tiles, workers = len(g.runs) - 1, len(scratch)
+    for t in prange(workers):
+        S = scratch[t]
+        begin, end = on_tile.share(t, workers, tiles)
+        for tile in range(begin, end):
+            at = tile * U(LANES)
+            on_tile.divergence(g, tile, at, P, S, 0)
+            on_tile.put_negative(S, 0, 3, at, out)

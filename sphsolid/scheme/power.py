@@ -25,6 +25,7 @@ from numpy.typing import NDArray
 from sphsolid.compiled import kernel, prange
 from sphsolid.continuum import law
 from sphsolid.continuum.tensor import axpy, cofactor, contract, determinant, load
+from sphsolid.fields import components, scalar_field, tensor_field, vector_field
 from sphsolid.scheme import fine_scale, galerkin, pressure
 from sphsolid.scheme.boundary import EssentialConditions
 from sphsolid.scheme.right_hand_side import RightHandSide, State
@@ -91,10 +92,16 @@ class Account:
         self.constraint = np.zeros((2, 3))
         self.reaction = np.zeros((len(rhs.essential.particles), 3))
         self._powers = np.zeros((n, 3))
-        self._D_p = np.zeros((n, 3))
-        self._D_J = np.zeros(n if rhs.formulation.evolves_J else 0)
+        rhs.keeps_rates = True
+        self._D_p = vector_field(n)
+        extra = n if rhs.is_self_adjoint else 0
+        self._force = vector_field(extra)
+        self._minus_B = tensor_field(extra, particle_major=rhs.cloud.particle_major)
+        self._D_J = scalar_field(n if rhs.formulation.evolves_J else 0)
         self._L_f = (
-            rhs.rates.F if rhs.cloud.gradients.is_adjoint else np.zeros_like(rhs.rates.F)
+            rhs.rates.F
+            if rhs.cloud.is_adjoint
+            else tensor_field(n, particle_major=rhs.cloud.particle_major)
         )
 
     @property
@@ -116,13 +123,21 @@ class Account:
         rhs, cloud = self._rhs, self._rhs.cloud
         v = state.p / rhs.material.density
         self._dissipation()
-        if not cloud.gradients.is_adjoint:
-            galerkin.gradient(
-                cloud.pairs.indptr, cloud.pairs.indices, cloud.gradients.force, v, 1.0, self._L_f
+        P = rhs.P
+        if rhs.is_self_adjoint:
+            # The stress that made the force holds -B, whose work belongs to D(p).
+            self._minus_B[:] = 0.0
+            rhs.subtract_back(geometry, self._minus_B)
+            galerkin.internal_force(
+                cloud.adjoint, components(self._minus_B), components(self._force), rhs.scratch
             )
+            self._D_p += self._force
+            P = rhs.P - self._minus_B
+        if not cloud.is_adjoint:
+            rhs.force_gradient(v, 1.0, self._L_f)
         f = rhs.formulation
         _stress_powers(
-            rhs.material, f.evolves_H, f.evolves_J, cloud.V, rhs.rates.F, self._L_f, rhs.P,
+            rhs.material, f.evolves_H, f.evolves_J, cloud.V, rhs.rates.F, self._L_f, P,
             state.F, state.H, state.J, self._D_J, self._powers,
         )  # fmt: skip
         self.works[3:5] += dt * np.sum(self._powers[:, :2], axis=0)
@@ -162,13 +177,12 @@ class Account:
         rhs, q = self._rhs, self._rhs.secondary
         if q is None or not isinstance(rhs.stabilisation, SUPG):
             return
-        pairs = q.spread_pairs
         self._D_p[:] = 0.0
         fine_scale.momentum_dissipation(
-            pairs.indptr, pairs.indices, q.spread, rhs.P_fine, self._D_p
+            q.spreading, components(rhs.P_fine), components(self._D_p), rhs.scratch
         )
         if rhs.stabilisation.tau_p > 0.0:
             self._D_J[:] = 0.0
             pressure.volume_dissipation(
-                pairs.indptr, pairs.indices, q.spread, rhs.flux, self._D_J
+                q.spreading, components(rhs.flux), components(self._D_J), rhs.scratch
             )

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from sphsolid.compiled import register_jitable
+from sphsolid.compiled import inlined
 from sphsolid.continuum.tensor import (
     Tensor,
     add,
@@ -34,7 +34,7 @@ class NoProjection:
 AngularMomentumTreatment = LocalProjection | NoProjection
 
 
-@register_jitable
+@inlined
 def project(P: Tensor, F_x: Tensor) -> Tensor:
     """``P^C`` of eqs. (40)-(41)."""
     torque = axial(multiply(P, transpose(F_x)))

@@ -9,6 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sphsolid.cloud.cloud import Cloud, Secondary
+from sphsolid.cloud.pair_operator import PairOperator
+from sphsolid.fields import as_field, components, scalar_field, tensor_field, vector_field
 from sphsolid.scheme import fine_scale, galerkin, pressure
 from sphsolid.scheme.boundary import EssentialConditions, Loads
 from sphsolid.scheme.formulation import Formulation
@@ -20,6 +22,7 @@ from sphsolid.scheme.stabilisation import (
     Stabilisation,
     StabilisedStrains,
 )
+from sphsolid.scheme.tile import make_scratch
 
 Array = NDArray[np.float64]
 
@@ -37,6 +40,23 @@ class State:
     F: Array
     H: Array
     J: Array
+
+    @classmethod
+    def zeros(cls, size: int, formulation: Formulation, *, particle_major: bool) -> State:
+        """Zeros for ``size`` particles; ``particle_major`` says how tensors lie in memory."""
+        return cls(
+            p=vector_field(size),
+            x=vector_field(size),
+            F=tensor_field(size, particle_major=particle_major),
+            H=tensor_field(size if formulation.evolves_H else 0, particle_major=particle_major),
+            J=scalar_field(size if formulation.evolves_J else 0),
+        )
+
+    def rows(self) -> tuple[Array, Array, Array, Array]:
+        """``p, F, H, J`` as a kernel wants them."""
+        return tuple(  # type: ignore[return-value]
+            components(as_field(field)) for field in (self.p, self.F, self.H, self.J)
+        )
 
     def evolved(self, formulation: Formulation) -> list[Array]:
         """The arrays that a time integrator advances, ``x`` left out."""
@@ -79,107 +99,117 @@ class RightHandSide:
         self.loads = loads
         self.essential = essential
         n, f = cloud.size, formulation
-        self.rates = State(
-            p=np.zeros((n, 3)),
-            x=np.zeros((0, 3)),
-            F=np.zeros((n, 3, 3)),
-            H=np.zeros((n if f.evolves_H else 0, 3, 3)),
-            J=np.zeros(n if f.evolves_J else 0),
-        )
-        self.P = np.zeros((n, 3, 3))
+        #: ``grad v`` is taken even where no evolved field and no stabilisation needs it.
+        self.keeps_rates = f.evolves_F or f.evolves_H or f.evolves_J or secondary is not None
+        self.rates = State.zeros(n, f, particle_major=cloud.particle_major)
+        self.P = tensor_field(n, particle_major=cloud.particle_major)
         self.reaction = np.zeros((len(essential.particles), 3))
-        self.F_x = np.zeros((n, 3, 3))
         m = 0 if secondary is None else len(secondary.X)
-        self._S = np.zeros((n if m else 0, 3, 3))
-        self._v = np.zeros((n if m else 0, 3))
-        self.P_fine = np.zeros((m, 3, 3))
-        self._F_x_q = np.zeros((m, 3, 3))
+        self.P_fine = tensor_field(m, particle_major=cloud.particle_major)
         has_tau_p = isinstance(stabilisation, SUPG) and stabilisation.tau_p > 0.0
-        self._inertia = np.zeros((n if has_tau_p else 0, 3))
-        self.flux = np.zeros((m if has_tau_p else 0, 3))
-
-    def set_geometry(self, x: Array) -> None:
-        """Take ``F_x = sum_b x_b (x) G_b`` with the gradient whose adjoint makes the force.
-
-        Angular momentum is exact when stage one projects with ``F_x(x^n)`` and stage two with
-        ``F_x(x^{n+1})``; the second is the first of the next step, so one pass a step is enough.
-        """
-        if self.projects:
-            pairs = self.cloud.pairs
-            galerkin.gradient(
-                pairs.indptr, pairs.indices, self.cloud.gradients.force, x, 1.0, self.F_x
-            )
+        simplified = isinstance(stabilisation, SUPG) and isinstance(
+            stabilisation.fine_scale, SimplifiedHessian
+        )
+        self._F_x_q = tensor_field(
+            m if has_tau_p or not simplified else 0, particle_major=cloud.particle_major
+        )
+        self._inertia = vector_field(n if has_tau_p else 0)
+        self.flux = vector_field(m if has_tau_p else 0)
+        self.scratch = make_scratch()
+        supg = stabilisation if isinstance(stabilisation, SUPG) else None
+        self.is_self_adjoint = supg is not None and supg.is_self_adjoint
+        #: The rate of ``F`` that is interpolated to ``q``; without projection that is ``rates.F``.
+        self._Fdot_C = tensor_field(
+            n if self.is_self_adjoint and self.projects else 0,
+            particle_major=cloud.particle_major,
+        )
 
     def kinematic_gradient(self, f: Array, factor: float, out: Array) -> None:
         """``out_a = factor sum_b f_b (x) G_b(X_a)`` with the kinematic gradient."""
-        pairs = self.cloud.pairs
+        self._gradient(self.cloud.kinematic, f, factor, out)
+
+    def force_gradient(self, f: Array, factor: float, out: Array) -> None:
+        """The same with the gradient whose adjoint makes the force."""
+        self._gradient(self.cloud.force, f, factor, out)
+
+    def _gradient(self, G: PairOperator, f: Array, factor: float, out: Array) -> None:
+        result = as_field(out)
         galerkin.gradient(
-            pairs.indptr, pairs.indices, self.cloud.gradients.kinematic, f, factor, out
+            G, components(as_field(f)), factor, components(result), self.scratch
         )
+        if result is not out:
+            out[:] = result
 
     def evaluate(self, state: State, geometry: Array, dt: float, t: float) -> State:
         """Rates of ``state`` at time ``t``.
 
-        ``geometry (N, 3)`` [m] are the positions that ``F_x`` uses; the caller has called
-        :meth:`set_geometry` with them.
+        ``geometry (N, 3)`` [m] are the positions whose ``F_x = sum_b x_b (x) G_b`` the projection
+        uses, with the gradient whose adjoint makes the force.
         """
-        f, material, pairs = self.formulation, self.material, self.cloud.pairs
-        rates = self.rates
-        self.kinematic_gradient(state.p, 1.0 / material.density, rates.F)
-        if f.evolves_H or f.evolves_J:
-            galerkin.strain_rates(
-                f.evolves_H, f.evolves_J, rates.F, state.F, state.H, rates.H, rates.J
-            )
-        galerkin.stress(
-            material, f.evolves_H, f.evolves_J, self.projects,
-            state.F, state.H, state.J, self.F_x, self.P,
+        f, cloud, rates = self.formulation, self.cloud, self.rates
+        x = components(as_field(geometry))
+        p, F, H, J = state.rows()
+        Fdot, P, pdot = components(rates.F), components(self.P), components(rates.p)
+        galerkin.coarse(
+            self.material, cloud.kinematic, cloud.force, cloud.is_adjoint, f.evolves_H, f.evolves_J,
+            self.keeps_rates, self.projects, len(self._Fdot_C) > 0, p, x, F, H, J, P, Fdot,
+            components(rates.H), components(rates.J), components(self._Fdot_C), self.scratch,
         )  # fmt: skip
-        galerkin.internal_force(
-            pairs.indptr, pairs.indices, self.cloud.divergence, self.P, rates.p
-        )
+        if isinstance(self.stabilisation, SUPG):
+            self._fine_stress(self.stabilisation, state, x, dt)
+        if self.is_self_adjoint:
+            self.subtract_back(geometry, self.P)
+        galerkin.internal_force(cloud.adjoint, P, pdot, self.scratch)
         if self.loads.any:
             rates.p += self.loads.at(t)[0]
         if isinstance(self.stabilisation, SUPG):
-            self._stabilise(self.stabilisation, state, geometry, dt, t)
+            self._dissipate(self.stabilisation, dt, t)
         self.essential.reaction(rates.p, self.reaction)
         self.essential.release(rates.p)
         return rates
 
-    def _stabilise(
-        self, supg: SUPG, state: State, geometry: Array, dt: float, t: float
-    ) -> None:
+    def subtract_back(self, geometry: Array, P: Array) -> None:
+        """``P_a -= B_a`` of the fine stress in :attr:`P_fine`: see ``SelfAdjoint``."""
+        q = self.secondary
+        assert q is not None
+        fine_scale.subtract_back(
+            q.spreading, self.cloud.force, self.projects, components(as_field(geometry)),
+            components(self.P_fine), components(P), self.scratch,
+        )  # fmt: skip
+
+    def _dissipate(self, supg: SUPG, dt: float, t: float) -> None:
         q, rates, rho = self.secondary, self.rates, self.material.density
         assert q is not None
-        np.multiply(state.p, 1.0 / rho, out=self._v)
-        self._fine_stress(supg, state, geometry, dt)
         if supg.tau_p > 0.0:
             # R_p holds the Galerkin rate alone, so it is taken before D(p) is added.
             self._inertia[:] = rates.p
             self.essential.release(self._inertia)
             if self.loads.has_body_force:
                 self._inertia -= self.loads.at(t)[1]
+            flux = components(self.flux)
             pressure.momentum_residual(
-                q.pairs.indptr, q.pairs.indices, q.sample, supg.tau_p * dt / rho,
-                self.P, self._inertia, self._F_x_q, self.flux,
+                q.sampling, supg.tau_p * dt / rho, components(self.P), components(self._inertia),
+                components(self._F_x_q), flux, self.scratch,
             )  # fmt: skip
-            pressure.volume_dissipation(
-                q.spread_pairs.indptr, q.spread_pairs.indices, q.spread, self.flux, rates.J
-            )
+            pressure.volume_dissipation(q.spreading, flux, components(rates.J), self.scratch)
         fine_scale.momentum_dissipation(
-            q.spread_pairs.indptr, q.spread_pairs.indices, q.spread, self.P_fine, rates.p
+            q.spreading, components(self.P_fine), components(rates.p), self.scratch
         )
 
-    def _fine_stress(self, supg: SUPG, state: State, geometry: Array, dt: float) -> None:
+    def _fine_stress(self, supg: SUPG, state: State, x: Array, dt: float) -> None:
         q, rates, f = self.secondary, self.rates, self.formulation
         assert q is not None
         form = supg.fine_scale
         tau = supg.tau_F * dt
+        p, F, H, J = state.rows()
+        Fdot, P_fine, F_x = components(rates.F), components(self.P_fine), components(self._F_x_q)
         if isinstance(form, SimplifiedHessian):
             gamma, alpha = form.moduli(self.material)
-            galerkin.combine(tau * gamma, supg.xi_F * alpha, rates.F, state.F, self._S)
+            if len(self._Fdot_C):
+                Fdot = components(self._Fdot_C)
             fine_scale.simplified(
-                q.pairs.indptr, q.pairs.indices, q.sample, tau * gamma, supg.xi_F * alpha,
-                self.projects, self._v, geometry, self._S, self.P_fine, self._F_x_q,
+                q.sampling, self.material.density, tau * gamma, supg.xi_F * alpha, self.projects,
+                supg.tau_p > 0.0, p, x, F, Fdot, P_fine, F_x, self.scratch,
             )  # fmt: skip
             return
         taus = np.array([supg.tau_F, form.tau_H, form.tau_J]) * dt
@@ -191,8 +221,7 @@ class RightHandSide:
             xis = np.array([supg.xi_F, 0.0, 0.0])
             alpha = alpha if form.alpha is None else form.alpha
         fine_scale.general(
-            q.pairs.indptr, q.pairs.indices, q.sample, self.material,
-            isinstance(form, StabilisedStrains), taus, xis, alpha, self.projects,
-            f.evolves_H, f.evolves_J, self._v, geometry, state.F, state.H, state.J,
-            rates.F, rates.H, rates.J, self.P_fine, self._F_x_q,
+            q.sampling, self.material, isinstance(form, StabilisedStrains), taus, xis, alpha,
+            self.projects, f.evolves_H, f.evolves_J, p, x, F, H, J, Fdot, components(rates.H),
+            components(rates.J), P_fine, F_x, self.scratch,
         )  # fmt: skip

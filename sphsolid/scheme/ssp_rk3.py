@@ -38,6 +38,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from sphsolid.fields import vector_field
 from sphsolid.scheme.boundary import EssentialConditions
 from sphsolid.scheme.right_hand_side import RightHandSide, State
 from sphsolid.scheme.stages import Stepper, moved
@@ -66,10 +67,10 @@ class SSPRK3Stepper(Stepper):
         self, rhs: RightHandSide, state: State, essential: EssentialConditions
     ) -> None:
         super().__init__(rhs, state, essential)
-        self._y = np.empty_like(state.x)
+        self._y = vector_field(len(state.x))
 
     def advance(self, dt: float, t: float) -> None:
-        """From ``t`` to ``t + dt``; ``rhs.F_x`` belongs to ``state.x`` before and after."""
+        """From ``t`` to ``t + dt``."""
         rhs, state, stages, y = self.rhs, self.state, self.work, self._y
         step, p_start = dt / rhs.material.density, self.work.p_start
 
@@ -98,6 +99,5 @@ class SSPRK3Stepper(Stepper):
         self._take_geometry(state.x)
 
     def _take_geometry(self, x: Array) -> None:
-        self.rhs.set_geometry(x)
         if not self.rhs.formulation.evolves_F:
             self.rhs.kinematic_gradient(x, 1.0, self.state.F)

@@ -81,6 +81,27 @@ FineScale = SimplifiedHessian | FullHessian | StabilisedStrains
 
 
 @dataclass(frozen=True)
+class AsPrinted:
+    """Eq. (34): the fine stress is tested with ``G_a(X_q)`` alone, so ``v . D(p)`` has no sign."""
+
+
+@dataclass(frozen=True)
+class SelfAdjoint:
+    """Test with what made the residual: ``D(p) = -V^-1 R^T V_q P_fine``, ``R = G_q - W~ G``.
+
+    ``R`` maps velocities to the residual ``R_F``, so the power of ``D(p)`` is
+    ``-sum V_q tau gamma |R_F|^2`` whatever ``tau_F`` is: the term cannot make energy.  Its second
+    part is a stress ``B_a = sum_q (V_q / V_a) V_a W~_a(X_q) P_fine(X_q)``, taken from ``P_a``
+    before the one internal-force pass; both ``Fdot`` and ``B`` are projected like stresses, which
+    keeps angular momentum and the sign of the power exact.  Costs a pass and a projection more.
+    Not in [Lee2017]; the orthogonal-subscale idea of [Codina2000].
+    """
+
+
+Weighting = AsPrinted | SelfAdjoint
+
+
+@dataclass(frozen=True)
 class NoStabilisation:
     """Bubnov-Galerkin alone: no secondary particles are made."""
 
@@ -99,7 +120,8 @@ class SUPG:
 
     ``tau_F`` damps what the velocity gradient at ``q`` has beyond the interpolated rate of ``F``,
     ``xi_F`` (in [0, 0.5] in the paper) what the geometry has beyond ``F``, ``tau_p`` damps
-    pressure modes through the law of ``J``.  ``secondary`` places the particles ``q``.
+    pressure modes through the law of ``J``.  ``secondary`` places the particles ``q``;
+    ``weighting`` says how ``D(p)`` is tested.
     """
 
     tau_F: float = 1.0
@@ -107,6 +129,7 @@ class SUPG:
     tau_p: float = 0.0
     secondary: SecondaryPoints = field(default_factory=H1)
     fine_scale: FineScale = field(default_factory=SimplifiedHessian)
+    weighting: Weighting = field(default_factory=AsPrinted)
 
     def __post_init__(self) -> None:
         _check_coefficients(self, "tau_F", "xi_F", "tau_p")
@@ -116,6 +139,15 @@ class SUPG:
             raise InputError(
                 f"SUPG: fine_scale = {self.fine_scale!r} is unknown; use SimplifiedHessian(), "
                 "FullHessian() or StabilisedStrains()"
+            )
+        if not isinstance(self.weighting, Weighting):
+            raise InputError(
+                f"SUPG: weighting = {self.weighting!r} is unknown; use AsPrinted() or SelfAdjoint()"
+            )
+        if self.is_self_adjoint and not isinstance(self.fine_scale, SimplifiedHessian):
+            raise InputError(
+                "SUPG: weighting = SelfAdjoint() needs fine_scale = SimplifiedHessian(); the other "
+                "forms have no adjoint of their own"
             )
         own = [getattr(self.fine_scale, name, 0.0) for name in ("tau_H", "tau_J", "xi_H", "xi_J")]
         if self.tau_F == self.xi_F == self.tau_p == 0.0 and not any(own):
@@ -127,6 +159,11 @@ class SUPG:
     def name(self) -> str:
         """``SUPG-H1`` or ``SUPG-H6``."""
         return f"SUPG-{self.secondary.name}"
+
+    @property
+    def is_self_adjoint(self) -> bool:
+        """True when ``D(p)`` is tested with the operator that made its residual."""
+        return isinstance(self.weighting, SelfAdjoint)
 
     def check(self, formulation: Formulation) -> None:
         """Refuse pairs that cannot work, saying what to use instead."""
@@ -152,13 +189,17 @@ class SUPG:
 Stabilisation = NoStabilisation | SUPG
 
 
-def check_pair(formulation: object, stabilisation: object) -> None:
-    """Raise ``InputError`` unless both are known and fit together."""
+def check_formulation(formulation: object) -> None:
+    """Raise ``InputError`` unless it is a formulation."""
     if not isinstance(formulation, Formulation):
         raise InputError(
             f"formulation = {formulation!r} is unknown; use PF(), PFJ(), PFHJ(), PJ() or "
             "Displacement()"
         )
+
+
+def check_pair(formulation: Formulation, stabilisation: object) -> None:
+    """Raise ``InputError`` unless the stabilisation is known and fits the formulation."""
     if not isinstance(stabilisation, NoStabilisation | SUPG):
         raise InputError(
             f"stabilisation = {stabilisation!r} is unknown; use SUPG(...) or NoStabilisation()"

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sphsolid.compiled import kernel, prange
+from sphsolid.fields import components
 from sphsolid.scheme.boundary import EssentialConditions
 from sphsolid.scheme.formulation import Formulation
 from sphsolid.scheme.power import Account, NoAccount
@@ -43,8 +44,8 @@ def moved(
     x: Array, factor: float, weights: tuple[float, float], p_0: Array, p_1: Array, out: Array
 ) -> None:
     """``out = x + factor (w_0 p_0 + w_1 p_1)  (N, 3)``; ``out`` may be ``x``."""
-    flat = (array.reshape(-1) for array in (p_0, p_1, out))
-    _combine(x.reshape(-1), factor, weights, *flat)
+    flat = (components(array).reshape(-1) for array in (p_0, p_1, out))
+    _combine(components(x).reshape(-1), factor, weights, *flat)
 
 
 @dataclass(frozen=True)
@@ -57,12 +58,16 @@ class Stages:
     p_start: Array
 
     @classmethod
-    def of(cls, state: State, rates: State, formulation: Formulation) -> Stages:
+    def of(
+        cls, state: State, rates: State, formulation: Formulation, *, particle_major: bool
+    ) -> Stages:
         """Views of ``state`` and ``rates``, and room for the start of a step."""
-        fields = [field.reshape(-1) for field in state.evolved(formulation)]
-        saved = [np.empty_like(field) for field in fields]
-        flat = [rate.reshape(-1) for rate in rates.evolved(formulation)]
-        return cls(fields, flat, saved, saved[0].reshape(-1, 3))
+        start = State.zeros(len(state.p), formulation, particle_major=particle_major)
+        fields, flat, saved = (
+            [components(field).reshape(-1) for field in fields.evolved(formulation)]
+            for fields in (state, rates, start)
+        )
+        return cls(fields, flat, saved, start.p)
 
     def first(self, dt: float) -> None:
         """``U = U^n + dt R``, keeping ``U^n``."""
@@ -85,4 +90,6 @@ class Stepper:
         self.state = state
         self.essential = essential
         self.account: Account | NoAccount = NoAccount()
-        self.work = Stages.of(state, rhs.rates, rhs.formulation)
+        self.work = Stages.of(
+            state, rhs.rates, rhs.formulation, particle_major=rhs.cloud.particle_major
+        )

@@ -8,9 +8,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sphsolid.compiled import kernel, prange
-from sphsolid.continuum.tensor import determinant, load
+from sphsolid.continuum.tensor import determinant
 from sphsolid.continuum.wave_speed import THINNEST, smallest_stretch
 from sphsolid.errors import Diverged, InputError, require
+from sphsolid.fields import LANES
+from sphsolid.scheme import tile as on_tile
+from sphsolid.scheme.right_hand_side import State
+from sphsolid.scheme.tile import STRIDE, U, load_lane
 
 Array = NDArray[np.float64]
 ADVICE = (
@@ -20,23 +24,26 @@ ADVICE = (
 
 
 @kernel
-def _stretch_limits(has_J, p, F, J, limit):  # type: ignore[no-untyped-def]
+def _stretch_limits(has_J, p, F, J, limit, scratch):  # type: ignore[no-untyped-def]
     # The smallest stretch of a valid particle; -1 for J <= 0; -2 for a non-finite state.
-    for a in prange(len(F)):
-        F_a = load(F, a)
-        detF = determinant(F_a)
-        J_a = J[a] if has_J else detF
-        stretch = smallest_stretch(F_a)
-        if not (
-            math.isfinite(stretch)
-            and math.isfinite(J_a)
-            and math.isfinite(p[a, 0] + p[a, 1] + p[a, 2])
-        ):
-            limit[a] = -2.0
-        elif J_a <= 0.0 or detF <= 0.0:
-            limit[a] = -1.0
-        else:
-            limit[a] = stretch
+    tiles, workers = len(limit) // LANES, len(scratch)
+    for t in prange(workers):
+        S = scratch[t]
+        begin, end = on_tile.share(t, workers, tiles)
+        for tile in range(begin, end):
+            at = tile * U(LANES)
+            on_tile.fetch_tensor(F, at, S, 0)
+            if has_J:
+                on_tile.fetch(J, 1, at, S, 9)
+            for lane in range(U(LANES)):
+                F_a = load_lane(S, 0, lane)
+                detF = determinant(F_a)
+                J_a = S[U(9 * STRIDE) + lane] if has_J else detF
+                stretch = smallest_stretch(F_a)
+                # The sum is not finite where one of its terms is not.
+                total = stretch + J_a + (p[0, at + lane] + p[1, at + lane] + p[2, at + lane])
+                valid = stretch if min(J_a, detF) > 0.0 else -1.0
+                limit[at + lane] = valid if total - total == 0.0 else -2.0
 
 
 def _reason(limit: float) -> str:
@@ -47,11 +54,11 @@ def _reason(limit: float) -> str:
     return f"compressed to {100.0 * limit:.2g} % of its length (least allowed {THINNEST:.1%})"
 
 
-def check_cfl(cfl: float) -> None:
+def check_cfl(cfl: object) -> None:
     """Raise ``InputError`` unless the CFL number is positive and finite."""
     require(
-        math.isfinite(cfl) and cfl > 0.0,
-        f"cfl = {cfl} must be positive and finite; 0.3 is the paper's value",
+        isinstance(cfl, int | float) and math.isfinite(cfl) and cfl > 0.0,
+        f"cfl = {cfl!r} must be positive and finite, or 'auto'; 0.3 is the paper's value",
     )
 
 
@@ -68,20 +75,23 @@ class TimeStep:
             raise InputError(f"h_min = {h_min} m and c_p = {wave_speed} m/s must be positive")
         self.cfl = cfl
         self.reference = cfl * h_min / wave_speed
-        self._limit = np.empty(size)
+        self._size = size
+        self._limit = np.empty(-(-size // LANES) * LANES)
 
     def stable(
-        self, has_J: bool, p: Array, F: Array, J: Array, X: Array, time: float, step: int
+        self, has_J: bool, state: State, X: Array, time: float, step: int, scratch: Array
     ) -> float:
         """``dt`` [s] now; raises ``Diverged`` naming the first invalid particle.
 
         Invalid: a field that is not finite, ``J <= 0``, a stretch below ``THINNEST``.
         """
-        _stretch_limits(has_J, p, F, J, self._limit)
-        least = float(np.min(self._limit))
+        p, F, _, J = state.rows()
+        _stretch_limits(has_J, p, F, J, self._limit, scratch)
+        limit = self._limit[: self._size]
+        least = float(np.min(limit))
         if least < THINNEST:
-            a = int(np.argmax(self._limit < THINNEST))
-            reason = _reason(float(self._limit[a]))
+            a = int(np.argmax(limit < THINNEST))
+            reason = _reason(float(limit[a]))
             x, y, z = (float(c) for c in X[a])
             raise Diverged(reason, time, step, a, (x, y, z), ADVICE)
         return self.reference * least

@@ -15,8 +15,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import numpy as np
-
+from sphsolid.fields import vector_field
 from sphsolid.scheme.boundary import EssentialConditions
 from sphsolid.scheme.right_hand_side import RightHandSide, State
 from sphsolid.scheme.stages import Stepper, moved
@@ -43,10 +42,10 @@ class TVDRK2Stepper(Stepper):
         self, rhs: RightHandSide, state: State, essential: EssentialConditions
     ) -> None:
         super().__init__(rhs, state, essential)
-        self._x_star = np.empty_like(state.x if not rhs.formulation.evolves_F else state.x[:0])
+        self._x_star = vector_field(0 if rhs.formulation.evolves_F else len(state.x))
 
     def advance(self, dt: float, t: float) -> None:
-        """From ``t`` to ``t + dt``; ``rhs.F_x`` belongs to ``state.x`` before and after."""
+        """From ``t`` to ``t + dt``."""
         rhs, state, stages = self.rhs, self.state, self.work
         step, p_start = dt / rhs.material.density, self.work.p_start
 
@@ -60,7 +59,6 @@ class TVDRK2Stepper(Stepper):
             moved(state.x, step, (0.5, 0.5), p_start, p_start, self._x_star)
             rhs.kinematic_gradient(self._x_star, 1.0, state.F)
         moved(state.x, step, (0.5, 0.5), p_start, state.p, state.x)
-        rhs.set_geometry(state.x)
 
         rhs.evaluate(state, state.x, dt, t + dt)
         self.account.stage(state, state.x, 0.5 * dt, t + dt)

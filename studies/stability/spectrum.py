@@ -25,7 +25,7 @@ import numpy as np
 import scipy.sparse.linalg
 from numpy.typing import NDArray
 
-from sphsolid import SUPG, TVDRK2, Simulation
+from sphsolid import SSPRK3, SUPG, Simulation
 from sphsolid.continuum.tensor import cofactor, contract, cross, join, split
 from sphsolid.errors import require
 from sphsolid.scheme.right_hand_side import State
@@ -80,7 +80,7 @@ class Linearisation:
         self.size = 2 * self.moves + (sim.cloud.size if self.has_J else 0)
         own_x = (
             sim.formulation.evolves_F
-            and not isinstance(sim.integrator, TVDRK2)
+            and isinstance(sim.integrator, SSPRK3)
             and self._geometry_is_felt()
         )
         self.layout = Layout(self.moves, self.size, not sim.formulation.evolves_F, own_x)
@@ -137,7 +137,6 @@ class Linearisation:
             state.J += contract(split(base.H) if f.evolves_H else cofactor(F), change)
         state.F += base.F
         x = base.x + (step * self.length) * z
-        rhs.set_geometry(x)
         rates = rhs.evaluate(state, x, cfl * self.unit_time, 0.0)
         pdot = rates.p.reshape(-1)[self.free] * (self.unit_time / (density * speed))
         parts = [step * v.reshape(-1)[self.free], pdot]
@@ -167,7 +166,10 @@ class Linearisation:
         def rate(S: Array, x: Array) -> Array:
             return A @ S[: self.size] + B @ x
 
-        return self._step(rate, np.eye(self.layout.rows), cfl)
+        def coarse(S: Array, x: Array) -> Array:
+            return A_0 @ S[: self.size] + B_0 @ x
+
+        return self._step(rate, coarse, np.eye(self.layout.rows), cfl)
 
     def step(self, y: Array, cfl: float) -> Array:
         """The map of one step applied to ``y (rows,)`` without any matrix."""
@@ -175,10 +177,13 @@ class Linearisation:
         def rate(S: Array, x: Array) -> Array:
             return self.rate(S[: self.size, 0], x[:, 0], cfl)[:, None]
 
-        return self._step(rate, y[:, None], cfl)[:, 0]
+        def coarse(S: Array, x: Array) -> Array:
+            return self.rate(S[: self.size, 0], x[:, 0], 0.0)[:, None]
 
-    def _step(self, rate: Rate, Y: Array, cfl: float) -> Array:
-        return step_map(self.simulation.integrator, self.layout, rate, Y, cfl)
+        return self._step(rate, coarse, y[:, None], cfl)[:, 0]
+
+    def _step(self, rate: Rate, coarse: Rate, Y: Array, cfl: float) -> Array:
+        return step_map(self.simulation.integrator, self.layout, rate, coarse, Y, cfl)
 
     @cached_property
     def rigid(self) -> Array:

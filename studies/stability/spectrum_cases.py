@@ -48,7 +48,9 @@ BODIES: dict[str, tuple[Constraint, ...]] = {
     "rollers": tuple(Constraint(face, "normal") for face in ("X-", "Y-", "Z-")),
     "interior": (),
 }
-INTEGRATORS: dict[str, Integrator] = {"TVD-RK2": sph.TVDRK2(), "SSP-RK3": sph.SSPRK3()}
+INTEGRATORS: dict[str, Integrator] = {
+    each.name: each for each in (sph.TVDRK2(), sph.SSPRK3(), sph.PositionVerlet())
+}
 
 
 def simulation(

@@ -1,4 +1,4 @@
-"""The linear map of one step of either integrator, made from the linear rates.
+"""The linear map of one step of any integrator, made from the linear rates.
 
 A disturbance is an array ``Y (..., n, k)``, ``k`` disturbances side by side, with rows
 
@@ -8,6 +8,8 @@ A disturbance is an array ``Y (..., n, k)``, ``k`` disturbances side by side, wi
     x   positions that ``F_x`` is taken from, where they are not ``w``
 
 and ``rate(S, x)`` gives the rates of ``S = (w, v, J)``.  TVD-RK2 moves ``x`` and ``w`` alike.
+So does position Verlet, whose drift moves ``J`` by ``H : grad v`` alone: that part of the rates is
+``coarse(S, x)``, the rates without any intrinsic time.
 SSP-RK3 moves ``x`` by the weights that keep angular momentum, not by its own; the two differ by
 ``O(dt^4)`` a step.  So ``x`` has rows of its own if its disturbance is felt at all (``xi_F > 0``, a
 stress, no projection), and formulations without ``F`` have ``w = x`` at every stage.
@@ -22,7 +24,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from sphsolid import SSPRK3, TVDRK2
+from sphsolid import SSPRK3, TVDRK2, PositionVerlet
+from sphsolid.defaults import Integrator
 from sphsolid.errors import InputError
 
 Block = NDArray[Any]
@@ -53,13 +56,15 @@ class Layout:
 
 
 def step_map(
-    integrator: TVDRK2 | SSPRK3, layout: Layout, rate: Rate, Y: Block, cfl: float
+    integrator: Integrator, layout: Layout, rate: Rate, coarse: Rate, Y: Block, cfl: float
 ) -> Block:
     """``Y`` after one step of ``cfl`` units of time."""
     if isinstance(integrator, TVDRK2):
         return _two_stages(layout, rate, Y, cfl)
     if isinstance(integrator, SSPRK3):
         return _three_stages(layout, rate, Y, cfl)
+    if isinstance(integrator, PositionVerlet):
+        return _drift_kick_drift(layout, rate, coarse, Y, cfl)
     raise InputError(f"integrator {integrator!r} has no linear map; use TVDRK2() or SSPRK3()")
 
 
@@ -68,6 +73,23 @@ def _two_stages(layout: Layout, rate: Rate, Y: Block, c: float) -> Block:
     star = Y + c * rate(Y, x)
     ahead = x + 0.5 * c * (v + layout.velocity(star))
     return 0.5 * (Y + star + c * rate(star, ahead))
+
+
+def _drift_kick_drift(layout: Layout, rate: Rate, coarse: Rate, Y: Block, c: float) -> Block:
+    m = layout.moves
+
+    def by_velocity(S: Block) -> Block:
+        alone = np.zeros_like(S)
+        alone[..., m : 2 * m, :] = layout.velocity(S)
+        moved = coarse(alone, np.zeros_like(alone[..., :m, :]))
+        # A velocity does work against no stress at rest, but it does change w and J.
+        moved[..., m : 2 * m, :] = 0.0
+        return moved
+
+    half = Y + 0.5 * c * by_velocity(Y)
+    kick = rate(half, layout.position(half)) - by_velocity(half)
+    end = half + c * kick
+    return end + 0.5 * c * by_velocity(end)
 
 
 def _three_stages(layout: Layout, rate: Rate, Y: Block, c: float) -> Block:

@@ -16,7 +16,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from sphsolid import SUPG, TVDRK2, SimplifiedHessian, Simulation
+from sphsolid import SSPRK3, SUPG, SimplifiedHessian, Simulation
 from sphsolid.cloud.neighbours import PairList
 from sphsolid.continuum import law
 from sphsolid.continuum.tensor import Tensor, cofactor, determinant, split
@@ -71,15 +71,20 @@ class Symbol:
         """``g(k) (n, m, m)`` for ``k l (n, 3)``."""
         state, geometry = self.generators(k, cfl)
         sim, size = self.simulation, state.shape[1]
-        felt = bool(np.max(np.abs(geometry)) > 1.0e-9) and not isinstance(sim.integrator, TVDRK2)
+        felt = bool(np.max(np.abs(geometry)) > 1.0e-9) and isinstance(sim.integrator, SSPRK3)
         own_x = felt and sim.formulation.evolves_F
         layout = Layout(3, size, not sim.formulation.evolves_F, own_x)
 
         def rate(S: Block, x: Block) -> Block:
             return state @ S[..., :size, :] + geometry @ x
 
+        coarse_state, coarse_geometry = self.generators(k, 0.0)
+
+        def coarse(S: Block, x: Block) -> Block:
+            return coarse_state @ S[..., :size, :] + coarse_geometry @ x
+
         unit = np.broadcast_to(np.eye(layout.rows), (len(k), layout.rows, layout.rows))
-        return step_map(sim.integrator, layout, rate, unit, cfl)
+        return step_map(sim.integrator, layout, rate, coarse, unit, cfl)
 
     def eigenvalues(self, k: Array, cfl: float) -> ComplexArray:
         """All ``g (n, m)``."""

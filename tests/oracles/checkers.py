@@ -58,7 +58,6 @@ def disturbed_block(
     s.p += 2.0e4 * random.uniform(-1.0, 1.0, s.p.shape)
     for field in (s.F, s.H, s.J):
         field += 0.1 * random.uniform(-1.0, 1.0, field.shape)
-    sim._rhs.set_geometry(s.x)
     return sim
 
 

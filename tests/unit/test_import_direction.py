@@ -11,23 +11,25 @@ ROOT = Path(__file__).resolve().parents[2]
 PACKAGES = ("sphsolid", "fem_reference", "studies")
 
 #: Anything may import these.
-BASE = {"sphsolid.compiled", "sphsolid.errors"}
+BASE = {"sphsolid.compiled", "sphsolid.errors", "sphsolid.fields"}
 _PHYSICS = BASE | {"sphsolid.continuum"}
 _PROBLEM = _PHYSICS | {"sphsolid.scenes"}
 _SPH = _PROBLEM | {
     "sphsolid.record", "sphsolid.cloud", "sphsolid.scheme", "sphsolid.defaults",
-    "sphsolid.describe", "sphsolid.simulation",
+    "sphsolid.describe", "sphsolid.recommend", "sphsolid.simulation",
 }  # fmt: skip
 #: What each room may import besides itself.  A room that is not here is a new one: decide.
 ALLOWED: dict[str, set[str]] = {
     "sphsolid.compiled": set(),
     "sphsolid.errors": set(),
+    "sphsolid.fields": set(),
     "sphsolid.continuum": BASE,
     "sphsolid.scenes": _PHYSICS,
     "sphsolid.record": _PROBLEM,
     "sphsolid.cloud": _PROBLEM,
     "sphsolid.scheme": _PROBLEM | {"sphsolid.cloud"},
     "sphsolid.defaults": _PROBLEM | {"sphsolid.cloud", "sphsolid.scheme"},
+    "sphsolid.recommend": _PROBLEM | {"sphsolid.cloud", "sphsolid.scheme", "sphsolid.defaults"},
     "sphsolid.describe": _SPH,
     "sphsolid.simulation": _SPH,
     "sphsolid": _SPH,

@@ -51,13 +51,12 @@ def test_the_sign_of_the_stress(monkeypatch: Patch) -> None:
     """Equilibrium becomes twice the load, and the body flies apart."""
     assert patch_imbalance() < ROUND_OFF
     assert abs(undamped()) < 1e-3
-    right = galerkin.stress
+    right = galerkin.internal_force
 
-    def flipped(*arguments: Any) -> None:
-        right(*arguments)
-        arguments[-1][:] *= -1.0
+    def flipped(g: Any, P: Array, out: Array, scratch: Array) -> None:
+        right(g, -P, out, scratch)
 
-    monkeypatch.setattr(galerkin, "stress", flipped)
+    monkeypatch.setattr(galerkin, "internal_force", flipped)
     assert patch_imbalance() > 1.0
     with np.errstate(all="ignore"):
         assert not abs(undamped()) < 0.5
@@ -95,8 +94,9 @@ def test_dissipation_spread_without_its_volumes(monkeypatch: Patch) -> None:
     right = cloud_module.build_secondary
 
     def wrong(cloud: Any, points: Any, *, h_over_dx: float) -> Any:
-        q = right(cloud, points, h_over_dx=h_over_dx)
-        q.spread[:] *= cloud.V[q.spread_pairs.row_of_pair][:, None] / cloud.V.mean()
+        q = right(cloud, points, h_over_dx=h_over_dx, stencils=False)
+        weight = cloud.V[q.spread_pairs.row_of_pair] / cloud.V.mean()
+        q.spreading.coefficient[:] *= weight
         return q
 
     monkeypatch.setattr("sphsolid.simulation.build_secondary", wrong)
@@ -162,12 +162,10 @@ def test_a_lagged_geometry(monkeypatch: Patch) -> None:
 
     def advance(self: TVDRK2Stepper, dt: float, t: float) -> None:
         before = self.state.x.copy()
-        evaluate, set_geometry = self.rhs.evaluate, self.rhs.set_geometry
+        evaluate = self.rhs.evaluate
         self.rhs.evaluate = lambda U, x, dt, t: evaluate(U, before, dt, t)  # type: ignore
-        self.rhs.set_geometry = lambda x: None  # type: ignore[method-assign]
         right(self, dt, t)
-        self.rhs.evaluate, self.rhs.set_geometry = evaluate, set_geometry  # type: ignore
-        set_geometry(self.state.x)
+        self.rhs.evaluate = evaluate  # type: ignore[method-assign]
 
     right = TVDRK2Stepper.advance
     monkeypatch.setattr(TVDRK2Stepper, "advance", advance)
@@ -181,10 +179,12 @@ def test_a_projection_with_the_gradient_that_makes_no_force(monkeypatch: Patch) 
     operator = sph.Consistent(use="force")
     assert momentum_drift(spun(operator=operator))[1] < ROUND_OFF
 
-    def wrong(self: RightHandSide, x: Array) -> None:
-        self.kinematic_gradient(x, 1.0, self.F_x)
+    right = galerkin.coarse
 
-    monkeypatch.setattr(RightHandSide, "set_geometry", wrong)
+    def wrong(material: Any, kinematic: Any, force: Any, *rest: Any) -> None:
+        right(material, kinematic, kinematic, *rest)
+
+    monkeypatch.setattr(galerkin, "coarse", wrong)
     assert momentum_drift(spun(operator=operator))[1] > 1e-3
 
 
@@ -195,7 +195,8 @@ def test_dissipation_that_feeds_energy() -> None:
     def change(sign: float) -> float:
         sim = spun(stabilisation=sph.SUPG(tau_F=1.0, xi_F=0.0))
         assert sim.secondary is not None
-        sim.secondary.spread[:] *= sign
+        for values in ("coefficient", "value", "own_value"):
+            getattr(sim.secondary.spreading, values)[:] *= sign
         return energy_change(sim, span=4.0e-3, steps=100)
 
     assert change(1.0) < -1e-3

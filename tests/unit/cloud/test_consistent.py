@@ -205,7 +205,7 @@ def test_the_report_says_what_the_residuals_are(make_cloud: MakeCloud) -> None:
     assert report.volume == pytest.approx(1.0 - 1.0 / 1.01, rel=1e-9)
     # A planted error of one pair shows in all three.
     cloud = make_cloud(jitter=0.2, operator=sph.Consistent())
-    cloud.gradients.force[17] += 0.1 / cloud.spacing
+    cloud.force.coefficient[:, 17] += 0.1 / cloud.spacing
     spoilt = consistency_report(cloud, VOLUME)
     assert abs(spoilt.C0 - 0.1) < 1e-9
     assert spoilt.C1 > 0.01

@@ -10,9 +10,12 @@ from numpy.typing import NDArray
 
 import sphsolid as sph
 from sphsolid.cloud.neighbours import PairList, transposed
+from sphsolid.cloud.pair_operator import PairOperator, pair_operators
 from sphsolid.continuum import law
 from sphsolid.continuum.tensor import Tensor, contract, scale
-from sphsolid.scheme import fine_scale, galerkin, pressure
+from sphsolid.fields import as_field, components, scalar_field, tensor_field, vector_field
+from sphsolid.scheme import fine_scale, pressure
+from sphsolid.scheme.tile import make_scratch
 from tests.oracles import numpy_sph
 
 Array = NDArray[np.float64]
@@ -67,6 +70,16 @@ def data() -> Data:
     )  # fmt: skip
 
 
+def operator(pairs: PairList, values: Array, columns: int) -> PairOperator:
+    """Values of pairs as a kernel wants them."""
+    return pair_operators(pairs, [values], columns)[0]
+
+
+def rows(*fields: Array) -> list[Array]:
+    """Fields as a kernel wants them."""
+    return [components(as_field(field)) for field in fields]
+
+
 def interpolated(d: Data, q: int, field: Array) -> Array:
     """``sum_a V_a W~_a(X_q) f_a``, one by one."""
     total = np.zeros(field.shape[1:])
@@ -101,11 +114,11 @@ def expected(d: Data, options: numpy_sph.Options, projects: bool) -> tuple[Array
 def test_the_simplified_kernel_is_eq_27(projects: bool) -> None:
     d = data()
     tau_gamma, xi_alpha = 0.7 * DT * MATERIAL.kappa, 0.2 * MATERIAL.mu
-    S, fine, F_x = np.empty((N, 3, 3)), np.empty((M, 3, 3)), np.empty((M, 3, 3))
-    galerkin.combine(tau_gamma, xi_alpha, d.Fdot, d.F, S)
+    fine, F_x = tensor_field(M), tensor_field(M)
+    density = 2.0
     fine_scale.simplified(
-        d.pairs.indptr, d.pairs.indices, d.sample, tau_gamma, xi_alpha, projects,
-        d.v, d.x, S, fine, F_x,
+        operator(d.pairs, d.sample, N), density, tau_gamma, xi_alpha, projects, True,
+        *rows(density * d.v, d.x, d.F, d.Fdot, fine, F_x), make_scratch(),
     )  # fmt: skip
     options = numpy_sph.Options("F", "simplified", tau=(0.7, 0, 0), xi=(0.2, 0, 0))
     P_fine, exact = expected(d, options, projects)
@@ -117,12 +130,13 @@ def general(d: Data, material: object, options: numpy_sph.Options, projects: boo
     """The compiled kernel, or its Python text for a law that only this file knows."""
     compiled = isinstance(material, sph.MooneyRivlin)
     kernel = fine_scale.general if compiled else fine_scale.general.py_func
-    fine, F_x = np.empty((M, 3, 3)), np.empty((M, 3, 3))
+    fine, F_x = tensor_field(M), tensor_field(M)
     kernel(
-        d.pairs.indptr, d.pairs.indices, d.sample, material, options.form == "strains",
+        operator(d.pairs, d.sample, N), material, options.form == "strains",
         np.array(options.tau) * DT, np.array(options.xi), MATERIAL.mu, projects,
-        "H" in options.evolved, "J" in options.evolved, d.v, d.x, d.F, d.H, d.J,
-        d.Fdot, d.Hdot, d.Jdot, fine, F_x,
+        "H" in options.evolved, "J" in options.evolved,
+        *rows(material.density * d.v, d.x, d.F, d.H, d.J, d.Fdot, d.Hdot, d.Jdot, fine, F_x),
+        make_scratch(),
     )  # fmt: skip
     return fine
 
@@ -145,6 +159,7 @@ class Quadratic(NamedTuple):
     """``W~ = gamma/2 F:F``, eq. (25)."""
 
     gamma: float
+    density: float = 1.0
 
 
 law.register_law(
@@ -207,7 +222,6 @@ def test_dissipation_kernels_are_eqs_34_and_35() -> None:
     ratio = V_q[d.pairs.row_of_pair] / V[d.pairs.indices]
     spread = (d.sample[:, :3] * ratio[:, None])[place]
     rate, Jdot = random.normal(size=(N, 3)), random.normal(size=N)
-    flux = np.empty((M, 3))
     D_p, D_J = rate.copy(), Jdot.copy()
     for q in range(M):
         R_p = -interpolated(d, q, inertia)
@@ -218,12 +232,14 @@ def test_dissipation_kernels_are_eqs_34_and_35() -> None:
             a, G = d.pairs.indices[k], d.sample[k, :3]
             D_p[a] -= V_q[q] / V[a] * P_fine[q] @ G
             D_J[a] -= 0.3 * V_q[q] / V[a] * (cofactor.T @ R_p) @ G
-    fine_scale.momentum_dissipation(
-        spread_pairs.indptr, spread_pairs.indices, spread, P_fine, rate
-    )
+    spreading, scratch = operator(spread_pairs, spread, M), make_scratch()
+    found_p, found_J, flux = vector_field(N), scalar_field(N), vector_field(M)
+    found_p[:], found_J[:] = rate, Jdot
+    fine_scale.momentum_dissipation(spreading, *rows(P_fine, found_p), scratch)
     pressure.momentum_residual(
-        d.pairs.indptr, d.pairs.indices, d.sample, 0.3, P, inertia, F_x, flux
+        operator(d.pairs, d.sample, N), 0.3, *rows(P, inertia, F_x, flux), scratch
     )
-    pressure.volume_dissipation(spread_pairs.indptr, spread_pairs.indices, spread, flux, Jdot)
+    pressure.volume_dissipation(spreading, *rows(flux, found_J), scratch)
+    rate, Jdot = found_p, found_J
     np.testing.assert_allclose(rate, D_p, atol=1e-12)
     np.testing.assert_allclose(Jdot, D_J, atol=1e-12)

@@ -103,15 +103,6 @@ def test_free_fall_is_exact(formulation: Any) -> None:
     np.testing.assert_allclose(s.displacement, np.broadcast_to(travelled, s.X.shape), atol=1e-14)
 
 
-def test_the_geometry_of_the_projection_belongs_to_the_state_after_a_step() -> None:
-    sim = block(sph.PFHJ())
-    for _ in range(3):
-        sim.advance(sim.stable_time_step())
-    kept = sim._rhs.F_x.copy()
-    sim._rhs.set_geometry(sim.state.x)
-    np.testing.assert_array_equal(kept, sim._rhs.F_x)
-
-
 @pytest.mark.parametrize("formulation", [sph.PJ(), sph.Displacement()], ids=lambda f: f.name)
 def test_a_fibre_map_that_is_not_evolved_is_that_of_the_positions(formulation: Any) -> None:
     sim = block(formulation)

@@ -60,7 +60,6 @@ def disturb(linear, y):
         state.H[:] = join(cofactor(split(state.F)))
     if sim.formulation.evolves_J:
         state.J[:] = base.J + J if linear.has_J else determinant(split(state.F))
-    sim._rhs.set_geometry(state.x)
 
 
 def observed(linear):

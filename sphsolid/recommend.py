@@ -1,0 +1,114 @@
+"""Which formulation and stabilisation to use for a scene, and why.
+
+The evidence is ``recommendations.csv``, made by ``studies.pareto``: for each Poisson's ratio the
+cheapest formulation whose error at equal particles is within a tenth of the best, on the swinging
+cube and on the twisting column.  Its materials do not depend on the cofactor.
+"""
+
+from __future__ import annotations
+
+import csv
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from sphsolid.cloud.secondary import H6
+from sphsolid.defaults import default_stabilisation, poisson_ratio
+from sphsolid.scenes.scene import Scene
+from sphsolid.scheme.formulation import PF, PFHJ, PFJ, Displacement, Formulation
+from sphsolid.scheme.stabilisation import NoStabilisation, Stabilisation
+
+#: Data, made from ``reports/pareto/recommendation.csv`` (a test compares them).
+RECOMMENDATIONS = Path(__file__).with_name("recommendations.csv")
+#: Rows of the table that hold for all of its scenes.
+EVERY_SCENE = "all"
+_FORMULATIONS: dict[str, Formulation] = {
+    each.name: each for each in (PF(), PFJ(), PFHJ(), Displacement())
+}
+
+
+@dataclass(frozen=True)
+class Evidence:
+    """A row of the table: ``error_ratio`` is the worst error over the best formulation's,
+    ``cpu_ratio`` and ``bytes_ratio`` the cost over that of the most accurate one, at ``nu``.
+    """
+
+    nu: float
+    formulation: str
+    stabilisation: str
+    error_ratio: float
+    cpu_ratio: float
+    bytes_ratio: float
+
+
+@dataclass(frozen=True)
+class NotMeasured:
+    """The table has no material of this kind."""
+
+
+@dataclass(frozen=True)
+class Recommendation:
+    """What to use, the reason in one sentence, and the row it rests on."""
+
+    formulation: Formulation
+    stabilisation: Stabilisation
+    reason: str
+    evidence: Evidence | NotMeasured
+
+
+def recommend(scene: Scene) -> Recommendation:
+    """The formulation and stabilisation for ``scene``, from its material.
+
+    A law that depends on the cofactor gets {p, F, H, J} as in [Lee2017]; any other what the table
+    says at the next larger Poisson's ratio that was tried, and above all of them at the largest.
+    """
+    material, nu = scene.material, poisson_ratio(scene.material)
+    if material.depends_on_H:
+        full = PFHJ()
+        reason = (
+            f"{full.name}: the energy depends on the cofactor, whose law is then solved as "
+            "published; studies.pareto has no such material"
+        )
+        return Recommendation(full, default_stabilisation(full, material), reason, NotMeasured())
+    row = _row_of(nu)
+    fields = _FORMULATIONS[row.formulation]
+    stabilisation: Stabilisation = NoStabilisation()
+    if row.stabilisation != "none":
+        stabilisation = default_stabilisation(fields, material)
+        if row.stabilisation == "SUPG-H6":
+            stabilisation = replace(stabilisation, secondary=H6())
+    return Recommendation(fields, stabilisation, _reason(row, nu), row)
+
+
+def _reason(row: Evidence, nu: float) -> str:
+    tried = f"nu = {row.nu:g}"
+    if abs(nu - row.nu) > 5e-4:
+        tried += f" (the next tried above {nu:.4g})" if nu < row.nu else " (the largest tried)"
+    words = "without stabilisation" if row.stabilisation == "none" else f"with {row.stabilisation}"
+    error = (
+        "has the smallest error"
+        if row.error_ratio < 1.005
+        else f"has {row.error_ratio:.2f} times the smallest error"
+    )
+    return (
+        f"{row.formulation} {words}: in studies.pareto at {tried} it {error} at equal particles "
+        f"and takes {row.cpu_ratio:.2f} times the CPU time and {row.bytes_ratio:.2f} times the "
+        "memory of the most accurate formulation"
+    )
+
+
+def _row_of(nu: float) -> Evidence:
+    with RECOMMENDATIONS.open(encoding="utf-8", newline="") as file:
+        rows = [
+            Evidence(
+                nu=float(row["nu"]),
+                formulation=row["formulation"],
+                stabilisation=row["stabilisation"],
+                error_ratio=float(row["error_ratio"]),
+                cpu_ratio=float(row["cpu_ratio"]),
+                bytes_ratio=float(row["bytes_ratio"]),
+            )
+            for row in csv.DictReader(file)
+            if row["scene"] == EVERY_SCENE
+        ]
+    rows.sort(key=lambda row: row.nu)
+    return next((row for row in rows if row.nu >= nu - 1e-9), rows[-1])

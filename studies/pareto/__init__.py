@@ -1,0 +1,1 @@
+"""Error against cost: which method for which accuracy."""

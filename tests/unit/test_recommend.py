@@ -1,0 +1,96 @@
+"""What is recommended for a scene, why, and that the shipped data are those of the report."""
+
+from __future__ import annotations
+
+import importlib
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+import pytest
+
+import sphsolid as sph
+from sphsolid.recommend import Evidence, NotMeasured, recommend
+from sphsolid.scenes import twisting_column
+
+#: The room, whatever the package exports under its name.
+module = importlib.import_module("sphsolid.recommend")
+ROOT = Path(__file__).resolve().parents[2]
+REPORT = ROOT / "reports" / "pareto" / "recommendation.csv"
+HEAD = "scene,nu,formulation,stabilisation,error_ratio,cpu_ratio,bytes_ratio,particles,compared\n"
+
+
+@pytest.fixture
+def table(tmp_path: Path, monkeypatch: Any) -> None:
+    """{p,F} H1 to 0.3, {p,F,J} H6 to 0.45, {p,F,H,J} without stabilisation to 0.495."""
+    path = tmp_path / "recommendations.csv"
+    path.write_text(
+        HEAD + 'cube,0.3,displacement,none,1,1,1,9,x\nall,0.495,"{p,F,H,J}",none,1.001,1,1,9,x\n'
+        'all,0.3,"{p,F}",SUPG-H1,1.08,0.87,0.9,9,x\nall,0.45,"{p,F,J}",SUPG-H6,1,1,1,9,x\n'
+    )
+    monkeypatch.setattr(module, "RECOMMENDATIONS", path)
+
+
+@pytest.mark.parametrize(
+    ("nu", "formulation", "stabilisation"),
+    [
+        (0.0, sph.PF(), sph.SUPG(tau_F=0.5, xi_F=0.0)),
+        (0.3, sph.PF(), sph.SUPG(tau_F=0.5, xi_F=0.0)),
+        (0.31, sph.PFJ(), sph.SUPG(tau_F=0.5, xi_F=0.0, secondary=sph.H6())),
+        (0.45, sph.PFJ(), sph.SUPG(tau_F=0.5, xi_F=0.0, tau_p=0.1, secondary=sph.H6())),
+        (0.495, sph.PFHJ(), sph.NoStabilisation()),
+        (0.4999, sph.PFHJ(), sph.NoStabilisation()),
+    ],
+)
+def test_the_row_of_the_next_larger_ratio_is_taken(
+    table: None, nu: float, formulation: Any, stabilisation: Any
+) -> None:
+    advice = recommend(twisting_column(poisson_ratio=nu))
+    assert advice.formulation == formulation
+    assert advice.stabilisation == stabilisation
+
+
+def test_the_reason_holds_the_numbers_of_its_row(table: None) -> None:
+    advice = recommend(twisting_column(poisson_ratio=0.25))
+    assert advice.evidence == Evidence(0.3, "{p,F}", "SUPG-H1", 1.08, 0.87, 0.9)
+    assert advice.reason == (
+        "{p,F} with SUPG-H1: in studies.pareto at nu = 0.3 (the next tried above 0.25) it has 1.08 "
+        "times the smallest error at equal particles and takes 0.87 times the CPU time and 0.90 "
+        "times the memory of the most accurate formulation"
+    )
+    above = recommend(twisting_column(poisson_ratio=0.499)).reason
+    assert "without stabilisation" in above
+    assert "nu = 0.495 (the largest tried)" in above
+    assert "has the smallest error" in above
+
+
+def test_a_law_of_the_cofactor_gets_its_law_and_no_numbers(table: None) -> None:
+    neo_hookean = twisting_column(poisson_ratio=0.495)
+    material = sph.MooneyRivlin.from_young(
+        young_modulus=17e6, poisson_ratio=0.495, density=1100.0, cofactor_share=0.3
+    )
+    assert material.depends_on_H
+    advice = recommend(replace(neo_hookean, material=material))
+    assert advice.formulation == sph.PFHJ()
+    assert advice.stabilisation == sph.SUPG(tau_F=0.5, xi_F=0.0, tau_p=0.1)
+    assert advice.evidence == NotMeasured()
+    assert "no such material" in advice.reason
+
+
+def test_what_is_shipped_can_be_run() -> None:
+    for nu in (0.0, 0.3, 0.45, 0.495, 0.4999):
+        scene = twisting_column(poisson_ratio=nu)
+        advice = recommend(scene)
+        sim = sph.Simulation(
+            scene, spacing=0.5, formulation=advice.formulation, stabilisation=advice.stabilisation
+        )
+        sim.advance(sim.stable_time_step())
+        assert isinstance(advice.evidence, Evidence)
+        assert advice.evidence.error_ratio >= 1.0
+
+
+@pytest.mark.skipif(not REPORT.exists(), reason="studies.pareto has not been run")
+def test_the_recommendations_are_those_of_the_report() -> None:
+    """Shipped with the package, measured by ``python -m studies.pareto``."""
+    pd.testing.assert_frame_equal(pd.read_csv(module.RECOMMENDATIONS), pd.read_csv(REPORT))
