@@ -25,10 +25,12 @@ from numpy.typing import NDArray
 from skfem import MeshHex
 
 from fem_reference.assembly import NodeIncidence
-from fem_reference.b_bar_kernels import centroid_stresses, element_energies, element_forces
-from fem_reference.element import CentroidStress
-from fem_reference.hex_quadrature import HexQuadrature, hex_quadrature
-from sphsolid.continuum.wave_speed import THINNEST
+from fem_reference.b_bar_kernels import element_energies, element_forces, mean_jacobians
+from fem_reference.element import CentroidStress, lost_element, mixed_stress
+from fem_reference.hex_maps import hex_maps
+from fem_reference.hex_quadrature import hex_quadrature
+from fem_reference.lanes import LANES, blocks, one_by_one, side_by_side
+from fem_reference.load_shapes import trilinear_shapes
 from sphsolid.scenes.hex_mesh import HexMesh
 
 Array = NDArray[np.float64]
@@ -43,25 +45,40 @@ class BBarHex:
         """``b_bar_hex``."""
         return "b_bar_hex"
 
+    def cell_size(self, spacing: float) -> float:
+        """``spacing`` [m]."""
+        return spacing
+
     def discretise(self, *, mesh: HexMesh, sk: MeshHex, material: Any) -> BBarHexElements:
         """See :class:`BBarHexElements`; raises ``InputError`` for a folded element."""
-        return BBarHexElements(hex_quadrature(mesh, sk), len(mesh.vertices), material)
+        return BBarHexElements(mesh, sk, material)
 
 
 class BBarHexElements:
     """All Q1-P0 elements of one mesh and material.
 
-    ``quadrature`` is :class:`HexQuadrature`; positions and forces are ``(N, 3)`` arrays.
+    Positions and forces are ``(N, 3)`` arrays.
     """
 
-    def __init__(self, quadrature: HexQuadrature, nodes: int, material: Any) -> None:
-        self.quadrature = quadrature
+    def __init__(self, mesh: HexMesh, sk: MeshHex, material: Any) -> None:
+        self.mesh = mesh
+        self.load_shapes = trilinear_shapes(sk)
+        self.quadrature = quadrature = hex_quadrature(mesh, sk)
+        X = mesh.vertices
         self.material = material
-        self.incidence = NodeIncidence.of(quadrature.cells, nodes)
-        self._nodes = nodes
-        self._element_force = np.zeros((quadrature.elements, 8, 3))
-        self._smallest_jacobian = np.ones(quadrature.elements)
-        self._shrinkage = np.ones(quadrature.elements)
+        self._maps = hex_maps(quadrature.edges, np.full(8, 0.125), X)
+        self._corners = side_by_side(quadrature.cells)
+        self._incidence = NodeIncidence.of(quadrature.cells, len(X))
+        self._nodes = len(X)
+        lanes = (blocks(quadrature.elements), LANES)
+        self._element_force = np.zeros((lanes[0], 24, LANES))
+        self._smallest_jacobian = np.ones(lanes)
+        self._shrinkage = np.ones(lanes)
+
+    @property
+    def count(self) -> int:
+        """Number of elements."""
+        return self.quadrature.elements
 
     @property
     def volumes(self) -> Array:
@@ -76,53 +93,50 @@ class BBarHexElements:
     @property
     def nbytes(self) -> int:
         """Memory of all arrays held."""
-        q, incidence = self.quadrature, self.incidence
+        q = self.quadrature
         held = (
-            *(q.cells, q.gradients, q.weights, q.centroid_gradients, q.corner_volumes, q.length),
-            *(incidence.start, incidence.entries),
-            *(self._element_force, self._smallest_jacobian, self._shrinkage),
+            *(q.cells, q.volumes, q.centroid_gradients, q.corner_volumes, q.length),
+            *(self._corners, self._element_force, self._smallest_jacobian, self._shrinkage),
         )
-        return sum(array.nbytes for array in held)
+        return sum(array.nbytes for array in held) + self._incidence.nbytes + self._maps.X.nbytes
 
     def internal_force(self, x: Array, force: Array) -> None:
         """``force (N, 3)`` [N] ``= dPi/dx`` at positions ``x (N, 3)`` [m]."""
         element_forces(
             self.material,
             x,
-            self.quadrature.cells,
-            self.quadrature.gradients,
-            self.quadrature.weights,
+            self._corners,
+            self._maps,
             self._smallest_jacobian,
             self._shrinkage,
             self._element_force,
         )
-        self.incidence.gather(self._element_force, force)
+        self._incidence.gather(self._element_force, force)
 
     def smallest_length(self) -> float:
         """``min_e length_e lambda_e / max(1, Jbar_e)`` [m] at the last force.
 
         ``lambda_e`` is the smallest principal stretch at the Gauss points of element ``e``.
         """
-        return float(np.min(self.quadrature.length * self._shrinkage))
+        shrinkage = one_by_one(self._shrinkage, self.quadrature.elements)
+        return float(np.min(self.quadrature.length * shrinkage))
 
     def invalid_element(self) -> int:
         """First element that is lost at the last force, or -1.
 
         Lost: ``J <= 0`` or ``nan`` at a Gauss point, or a stretch below ``THINNEST``.
         """
-        # argmin stops at the first nan, and a comparison with nan is False.
-        worst = int(np.argmin(self._smallest_jacobian))
-        if not self._smallest_jacobian[worst] > 0.0:
-            return worst
-        thin = int(np.argmin(self._shrinkage))
-        return -1 if self._shrinkage[thin] > THINNEST else thin
+        return lost_element(self._smallest_jacobian, self._shrinkage)
+
+    def centre(self, element: int) -> Array:
+        """Undeformed centre ``(3,)`` [m] of an element."""
+        return np.asarray(self.mesh.vertices[self.mesh.cells[element]].mean(axis=0))
 
     def strain_energy(self, x: Array) -> float:
         """``Pi = sum_e Pi_e`` [J]."""
-        energies = np.empty(self.quadrature.elements)
-        q = self.quadrature
-        element_energies(self.material, x, q.cells, q.gradients, q.weights, energies)
-        return float(np.sum(energies))
+        energies = np.empty_like(self._shrinkage)
+        element_energies(self.material, x, self._corners, self._maps, energies)
+        return float(np.sum(one_by_one(energies, self.quadrature.elements)))
 
     def stress(self, x: Array) -> CentroidStress:
         """``F_c``, ``J = Jbar`` and ``P = P(F_c) + kappa (Jbar - J_c) cof F_c``.
@@ -131,18 +145,16 @@ class BBarHexElements:
         order (superconvergence); the pressure is the element's own.
         """
         q = self.quadrature
-        F = np.empty((q.elements, 3, 3))
-        J = np.empty(q.elements)
-        P = np.empty((q.elements, 3, 3))
-        centroid_stresses(
-            self.material, x, q.cells, q.gradients, q.weights, q.centroid_gradients, F, J, P
-        )
-        return CentroidStress(F, J, P)
+        jacobians = np.empty_like(self._shrinkage)
+        mean_jacobians(x, self._corners, self._maps, jacobians)
+        Jbar = one_by_one(jacobians, q.elements)
+        gradients = np.broadcast_to(q.centroid_gradients, (q.elements, 8, 3))
+        F = np.einsum("eai,eak->eik", x[q.cells], gradients)
+        return mixed_stress(self.material, F, Jbar)
 
     def description(self) -> str:
         """One line for the plan of a run."""
-        stored = "one set for all" if self.quadrature.congruent else "one set per element"
+        shape = "equal bricks" if self.quadrature.congruent else "hexahedra of any shape"
         return (
-            f"{self.quadrature.elements} Q1-P0 (B-bar) hexahedra, 2x2x2 Gauss points, "
-            f"gradients: {stored}"
+            f"{self.quadrature.elements} Q1-P0 (B-bar) {shape}, 2x2x2 Gauss points"
         )

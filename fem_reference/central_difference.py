@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from fem_reference.account import Account, NoAccount
 from fem_reference.essential import EssentialConditions
+from fem_reference.updates import add_scaled
 
 Array = NDArray[np.float64]
 
@@ -38,11 +39,11 @@ def central_difference_step(
     that constraints prescribe are overwritten in the velocities, which is the same as projecting
     the acceleration.  ``account`` is told of every load and every reaction.
     """
-    velocity += 0.5 * dt * acceleration
+    add_scaled(0.5 * dt, acceleration, velocity)
     account.impose(essential, x, velocity, t + 0.5 * dt, at_half=True)
     account.loads(x, velocity, 0.5 * dt, t)
-    x += dt * velocity
+    add_scaled(dt, velocity, x)
     account.loads(x, velocity, 0.5 * dt, t + dt)
     accelerate(x, t + dt, acceleration)
-    velocity += 0.5 * dt * acceleration
+    add_scaled(0.5 * dt, acceleration, velocity)
     account.impose(essential, x, velocity, t + dt, at_half=False)

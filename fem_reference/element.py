@@ -9,6 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 from skfem import MeshHex
 
+from fem_reference.load_shapes import LoadShapes
+from sphsolid.continuum import law
+from sphsolid.continuum.tensor import axpy, cofactor, determinant, join, split
+from sphsolid.continuum.wave_speed import THINNEST
 from sphsolid.scenes.hex_mesh import HexMesh
 
 Array = NDArray[np.float64]
@@ -16,24 +20,58 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class CentroidStress:
-    """``F (E, 3, 3)``, ``J (E,)`` and ``P (E, 3, 3)`` [Pa] at the element centroids."""
+    """``F (E, 3, 3)``, ``J (E,)`` and ``P (E, 3, 3)`` [Pa] at the centres of cells."""
 
     F: Array
     J: Array
     P: Array
 
 
+def mixed_stress(material: Any, F: Array, J: Array) -> CentroidStress:
+    """``P(F) + kappa (J - det F) cof F``: the law with the Jacobian ``J`` of a mixed method."""
+    entries = split(F)
+    H, J_F = cofactor(entries), determinant(entries)
+    P = axpy(material.kappa * (J - J_F), H, law.first_piola(material, entries, H, J_F))
+    return CentroidStress(F, J, np.ascontiguousarray(join(P)))
+
+
+def lost_element(smallest_J: Array, shrinkage: Array) -> int:
+    """First element with ``J <= 0`` or ``nan``, or with a stretch below ``THINNEST``; else -1."""
+    jacobian, stretch = smallest_J.ravel(), shrinkage.ravel()
+    # argmin stops at the first nan, and a comparison with nan is False.
+    worst = int(np.argmin(jacobian))
+    if not jacobian[worst] > 0.0:
+        return worst
+    thin = int(np.argmin(stretch))
+    return -1 if stretch[thin] > THINNEST else thin
+
+
 class Elements(Protocol):
     """Elements of one mesh and material, ready for explicit time steps."""
 
     @property
+    def mesh(self) -> HexMesh:
+        """Its vertices are the nodes; stresses are handed out at the centres of its cells."""
+        ...
+
+    @property
+    def load_shapes(self) -> LoadShapes:
+        """Shape functions of the nodes, for loads."""
+        ...
+
+    @property
+    def count(self) -> int:
+        """Number of elements ``E``."""
+        ...
+
+    @property
     def volumes(self) -> Array:
-        """Reference volumes ``(E,)`` [m^3]."""
+        """Reference volumes [m^3] of the cells of ``mesh``."""
         ...
 
     @property
     def nodal_volumes(self) -> Array:
-        """Row-sum lumped volumes ``(N,)`` [m^3]."""
+        """Lumped volumes ``(N,)`` [m^3] of the nodes, all positive."""
         ...
 
     @property
@@ -53,12 +91,16 @@ class Elements(Protocol):
         """Element that is folded, not finite or flattened at the last force; -1 when none."""
         ...
 
+    def centre(self, element: int) -> Array:
+        """Undeformed centre ``(3,)`` [m] of an element."""
+        ...
+
     def strain_energy(self, x: Array) -> float:
         """The energy [J] whose gradient ``internal_force`` is."""
         ...
 
     def stress(self, x: Array) -> CentroidStress:
-        """Recovered at the centroids."""
+        """Recovered at the centres of the cells of ``mesh``."""
         ...
 
     def description(self) -> str:
@@ -72,6 +114,10 @@ class Element(Protocol):
     @property
     def name(self) -> str:
         """Short name used in file names."""
+        ...
+
+    def cell_size(self, spacing: float) -> float:
+        """Edge [m] of the hexahedra whose nodes are ``spacing`` [m] apart."""
         ...
 
     def discretise(self, *, mesh: HexMesh, sk: MeshHex, material: Any) -> Elements:

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from fem_reference.updates import keep_free
 from sphsolid.scenes.constraint import Constraint, EssentialPart, essential_parts
 from sphsolid.scenes.hex_mesh import HexMesh
 
@@ -18,13 +19,13 @@ class EssentialConditions:
     """All constraints of a mesh: ``v_a <- (I - Q_a) v_a + Q_a v_prescribed(X_a, t)``.
 
     ``nodes (n,)`` are the constrained nodes, ``free (n, 3, 3)`` their ``I - Q_a``; ``driven``
-    pairs each constraint that moves with its rows among ``nodes``, ``parts`` every constraint with
-    the face it is on; ``X (N, 3)`` [m].
+    are the constraints that move, ``parts`` every constraint with the face it is on; ``X (N, 3)``
+    [m].
     """
 
     nodes: NDArray[np.int64]
     free: Array
-    driven: tuple[tuple[NDArray[np.int64], EssentialPart], ...]
+    driven: tuple[EssentialPart, ...]
     parts: tuple[tuple[str, EssentialPart], ...]
     X: Array
 
@@ -38,9 +39,7 @@ class EssentialConditions:
             free[part.particles] -= part.projector
             constrained[part.particles] = True
         nodes = np.flatnonzero(constrained)
-        driven = tuple(
-            (np.searchsorted(nodes, part.particles), part) for part in parts if not part.is_fixed
-        )
+        driven = tuple(part for part in parts if not part.is_fixed)
         faces = [constraint.face for constraint in constraints]
         named = tuple(zip(faces, parts, strict=True))
         return cls(nodes, free[nodes], driven, named, mesh.vertices)
@@ -54,12 +53,11 @@ class EssentialConditions:
         """Overwrite the constrained components of ``velocity (N, 3)`` [m/s] at time ``t``."""
         if len(self.nodes) == 0:
             return
-        value = np.einsum("nij,nj->ni", self.free, velocity[self.nodes])
-        for rows, part in self.driven:
+        keep_free(self.nodes, self.free, velocity)
+        for part in self.driven:
             prescribed = part.velocity(self.X[part.particles], t)
             # Projectors of different parts are orthogonal, so their sum is the whole condition.
-            value[rows] += np.einsum("nij,nj->ni", part.projector, prescribed)
-        velocity[self.nodes] = value
+            velocity[part.particles] += np.einsum("nij,nj->ni", part.projector, prescribed)
 
     def by_face(self, reaction: Array) -> dict[str, Array]:
         """Sum over a constrained face of its share of ``reaction (n, 3)`` at ``nodes``."""

@@ -10,7 +10,7 @@ from skfem import Basis, ElementHex1, MeshHex
 
 from fem_reference.mesh import CORNER_OF_NODE
 from sphsolid.errors import InputError
-from sphsolid.scenes.hex_mesh import HexMesh
+from sphsolid.scenes.hex_mesh import CORNERS, HexMesh
 
 Array = NDArray[np.float64]
 #: Polynomial degree that makes scikit-fem use 2x2x2 (2x2 on facets) Gauss points.
@@ -19,19 +19,19 @@ GAUSS_2 = 3
 
 @dataclass(frozen=True)
 class HexQuadrature:
-    """Shape-function data of ``R`` distinct elements; ``R = 1`` when all ``E`` are congruent.
+    """Reference-state data of ``R`` distinct elements; ``R = 1`` when all ``E`` are congruent.
 
-    ``cells (E, 8)`` nodes in the corner order of ``CORNERS``; at the 2x2x2 Gauss points
-    ``gradients (R, 8 points, 8 nodes, 3)`` ``dN_a/dX`` [1/m] and ``weights (R, 8)`` ``w_g det
-    dX/dxi`` [m^3]; ``centroid_gradients (R, 8, 3)`` [1/m]; ``corner_volumes (R, 8)`` ``integral
-    of N_a dV`` [m^3], the row sums of the consistent mass matrix over ``rho0``; ``length (R,)``
-    [m] the smallest singular value of ``dX/dxi`` (``xi`` in [0, 1]^3) over the Gauss points: the
-    edge of a cube, the shortest edge of a brick, less than any edge of a slanted element.
+    ``cells (E, 8)`` nodes in the corner order of ``CORNERS``; ``edges (3,)`` [m] of the brick that
+    all elements are, empty otherwise; ``element_volumes (R,)`` [m^3] by the 2x2x2 Gauss points;
+    ``centroid_gradients (R, 8, 3)`` ``dN_a/dX`` [1/m]; ``corner_volumes (R, 8)`` ``integral of N_a
+    dV`` [m^3], the row sums of the consistent mass matrix over ``rho0``; ``length (R,)`` [m] the
+    smallest singular value of ``dX/dxi`` (``xi`` in [0, 1]^3) over the Gauss points: the edge of a
+    cube, the shortest edge of a brick, less than any edge of a slanted element.
     """
 
     cells: NDArray[np.uint32]
-    gradients: Array
-    weights: Array
+    edges: Array
+    element_volumes: Array
     centroid_gradients: Array
     corner_volumes: Array
     length: Array
@@ -43,13 +43,13 @@ class HexQuadrature:
 
     @property
     def congruent(self) -> bool:
-        """True when one set of gradients serves all elements."""
-        return len(self.weights) == 1
+        """True when all elements are the same brick."""
+        return len(self.edges) > 0
 
     @property
     def volumes(self) -> Array:
         """Element volumes ``V_e (E,)`` [m^3]."""
-        return np.broadcast_to(self.weights.sum(axis=1), self.elements).copy()
+        return np.broadcast_to(self.element_volumes, self.elements).copy()
 
     def nodal_volumes(self, nodes: int) -> Array:
         """Row-sum lumped volumes ``V_a = sum_e integral N_a dV (N,)`` [m^3]; they sum to ``V``."""
@@ -63,7 +63,8 @@ def hex_quadrature(mesh: HexMesh, sk: MeshHex) -> HexQuadrature:
 
     Raises ``InputError`` for an element whose reference map folds (``det dX/dxi <= 0``).
     """
-    chosen = np.array([0]) if _congruent(mesh) else np.arange(len(mesh.cells))
+    edges = brick_edges(mesh)
+    chosen = np.array([0]) if len(edges) else np.arange(len(mesh.cells))
     basis = Basis(sk, ElementHex1(), intorder=GAUSS_2, elements=chosen)
     centre = Basis(
         sk, ElementHex1(), quadrature=(np.full((3, 1), 0.5), np.ones(1)), elements=chosen
@@ -76,12 +77,10 @@ def hex_quadrature(mesh: HexMesh, sk: MeshHex) -> HexQuadrature:
             f"element {element} with vertices {mesh.cells[element].tolist()} is folded in the "
             "undeformed body (det dX/dxi <= 0); reduce the jitter or repair the mesh"
         )
-    gradients = np.empty((*shape, 8, 3))
     centroid_gradients = np.empty((len(chosen), 8, 3))
     corner_volumes = np.empty((len(chosen), 8))
     for node, corner in enumerate(CORNER_OF_NODE):
         field = basis.basis[node][0]
-        gradients[:, :, corner] = np.moveaxis(field.grad, 0, -1)
         corner_volumes[:, corner] = np.sum(np.asarray(field) * basis.dx, axis=1)
         centroid_gradients[:, corner] = np.moveaxis(centre.basis[node][0].grad[:, :, 0], 0, -1)
     tangents = np.moveaxis(basis.mapping.DF(basis.X, chosen), (0, 1), (-2, -1))
@@ -90,20 +89,22 @@ def hex_quadrature(mesh: HexMesh, sk: MeshHex) -> HexQuadrature:
     length = np.sqrt(np.linalg.eigvalsh(metric)[..., 0].min(axis=1))
     return HexQuadrature(
         cells=mesh.cells.astype(np.uint32),
-        gradients=gradients,
-        weights=np.ascontiguousarray(basis.dx),
+        edges=edges,
+        element_volumes=basis.dx.sum(axis=1),
         centroid_gradients=centroid_gradients,
         corner_volumes=corner_volumes,
         length=length,
     )
 
 
-def _congruent(mesh: HexMesh) -> bool:
-    """True when all cells are translations of the first, up to rounding.
+def brick_edges(mesh: HexMesh) -> Array:
+    """Edges ``(3,)`` [m] of the brick that all cells are, up to rounding; empty where they differ.
 
     ``is_lattice`` alone does not say so: a body of several boxes rounds each to whole cells.
     """
     if not mesh.is_lattice:
-        return False
-    edges = mesh.vertices[mesh.cells] - mesh.vertices[mesh.cells[:, :1]]
-    return bool(np.abs(edges - edges[0]).max() <= 1.0e-12 * mesh.spacing)
+        return np.empty(0)
+    corners = mesh.vertices[mesh.cells] - mesh.vertices[mesh.cells[:, :1]]
+    edges = np.array([corners[0, 1, 0], corners[0, 3, 1], corners[0, 4, 2]])
+    equal = np.abs(corners - CORNERS * edges).max() <= 1.0e-12 * mesh.spacing
+    return edges if equal else np.empty(0)

@@ -3,7 +3,7 @@
     f_a(t) = integral N_a f0(X, t) dV + integral N_a t_B(X, N, t) dA
 
 The fields change with time, the shape functions do not: ``N_a(X_q) w_q`` is put into sparse
-matrices once (scikit-fem bases, 2x2x2 Gauss points in the volume and 2x2 on facets), so an
+matrices once (scikit-fem bases, with the Gauss points of the element), so an
 evaluation costs one call of the field and one sparse product that gathers row by row.
 """
 
@@ -15,10 +15,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csr_matrix
-from skfem import Basis, ElementHex1, FacetBasis, MeshHex
+from skfem import Basis, FacetBasis, MeshHex
 from skfem.assembly.basis import AbstractBasis
 
-from fem_reference.hex_quadrature import GAUSS_2
+from fem_reference.load_shapes import LoadShapes
 from sphsolid.errors import InputError
 from sphsolid.scenes.scene import NoBodyForce, Scene
 
@@ -48,7 +48,7 @@ class Load:
         return np.asarray(self.matrix @ values)
 
 
-def loads_of(scene: Scene, sk: MeshHex) -> tuple[Load, ...]:
+def loads_of(scene: Scene, sk: MeshHex, shapes: LoadShapes) -> tuple[Load, ...]:
     """The loads that the scene has: none for a body that only moves freely.
 
     Raises ``InputError`` for a traction on an unknown tag, or for a field that is not finite or
@@ -57,8 +57,8 @@ def loads_of(scene: Scene, sk: MeshHex) -> tuple[Load, ...]:
     loads: list[Load] = []
     body_force = scene.body_force
     if not isinstance(body_force, NoBodyForce):
-        basis = Basis(sk, ElementHex1(), intorder=GAUSS_2)
-        X, matrix = _points(basis), _weighted_shapes(basis, sk)
+        basis = Basis(sk, shapes.element, intorder=shapes.degree)
+        X, matrix = _points(basis), _weighted_shapes(basis, shapes)
         loads.append(Load("body force", _at(body_force, X), matrix))
     for traction in scene.tractions:
         facets = (sk.boundaries or {}).get(traction.face, np.empty(0, dtype=np.int64))
@@ -67,8 +67,8 @@ def loads_of(scene: Scene, sk: MeshHex) -> tuple[Load, ...]:
                 f"traction on {traction.face!r}: unknown or empty boundary tag; the body has "
                 f"{sorted(sk.boundaries or {})}"
             )
-        surface = FacetBasis(sk, ElementHex1(), facets=facets, intorder=GAUSS_2)
-        X, matrix = _points(surface), _weighted_shapes(surface, sk)
+        surface = FacetBasis(sk, shapes.element, facets=facets, intorder=shapes.degree)
+        X, matrix = _points(surface), _weighted_shapes(surface, shapes)
         normals = np.ascontiguousarray(surface.normals.reshape(3, -1).T)
         loads.append(Load(f"traction on {traction.face}", _at(traction.value, X, normals), matrix))
     for load in loads:
@@ -95,21 +95,21 @@ def _points(basis: AbstractBasis) -> Array:
     return np.ascontiguousarray(np.asarray(basis.global_coordinates()).reshape(3, -1).T)
 
 
-def _weighted_shapes(basis: AbstractBasis, sk: MeshHex) -> csr_matrix:
+def _weighted_shapes(basis: AbstractBasis, shapes: LoadShapes) -> csr_matrix:
     """``N_a(X_q) w_q`` as a matrix ``(N, Q)`` without its zeros (nodes off a facet)."""
     shape = basis.dx.shape
     column = np.arange(basis.dx.size)
     rows, columns, entries = [], [], []
-    for local in range(8):
+    for local in range(basis.Nbfun):
         value = np.broadcast_to(np.asarray(basis.basis[local][0]), shape) * basis.dx
-        node = np.broadcast_to(basis.element_dofs[local][:, None], shape)
+        node = np.broadcast_to(shapes.node_of_dof[basis.element_dofs[local]][:, None], shape)
         used = np.abs(value.ravel()) > 1.0e-14 * basis.dx.max()
         rows.append(node.ravel()[used])
         columns.append(column[used])
         entries.append(value.ravel()[used])
     matrix = csr_matrix(
         (np.concatenate(entries), (np.concatenate(rows), np.concatenate(columns))),
-        shape=(sk.p.shape[1], basis.dx.size),
+        shape=(basis.N, basis.dx.size),
     )
     matrix.sort_indices()
     return matrix

@@ -17,6 +17,7 @@ from fem_reference.element import Element
 from fem_reference.essential import EssentialConditions
 from fem_reference.loads import loads_of, nodal_force
 from fem_reference.mesh import scikit_fem_mesh
+from fem_reference.updates import divide_by_mass
 from sphsolid.compiled import threads
 from sphsolid.continuum import reference_p_wave_speed
 from sphsolid.errors import Diverged, InputError, require
@@ -37,30 +38,33 @@ DEFAULT_ELEMENT = BBarHex()
 class Simulation:
     """Explicit finite elements on ``scene``, with the surface of ``sphsolid.Simulation``.
 
-    Unknowns are the nodal positions ``x (N, 3)`` [m] and velocities ``(N, 3)`` [m/s]; row-sum
-    lumped mass; central differences.  The constructor raises ``InputError`` for a wrong
+    Unknowns are the nodal positions ``x (N, 3)`` [m] and velocities ``(N, 3)`` [m/s]; lumped mass;
+    central differences.  The constructor raises ``InputError`` for a wrong
     ``spacing``, ``cfl``, ``element``, tag, load or initial state.
     """
 
     def __init__(
         self, scene: Scene, *, spacing: float, element: Element = DEFAULT_ELEMENT, cfl: float = 0.6
     ) -> None:
-        """``spacing`` [m] nominal edge; ``cfl`` fraction of the stable step, in (0, 1]."""
+        """``spacing`` [m] nominal, of nodes; ``cfl`` fraction of the stable step, in (0, 1]."""
         require(
             math.isfinite(cfl) and 0.0 < cfl <= 1.0,
             f"cfl = {cfl} is outside (0, 1]; central differences are stable to about 0.85, use 0.6",
         )
         if not hasattr(element, "discretise"):
-            raise InputError(f"element = {element!r} is no element technology; use BBarHex()")
+            raise InputError(
+                f"element = {element!r} is no element technology; use BBarHex() or TaylorHoodHex()"
+            )
         self.scene = scene
         self.element = element
         self.cfl = cfl
         self.time = 0.0
         self.step = 0
-        self._mesh = scene.body.mesh(spacing)
-        sk = scikit_fem_mesh(self._mesh)
-        self._elements = element.discretise(mesh=self._mesh, sk=sk, material=scene.material)
-        self._loads = loads_of(scene, sk)
+        mesh = scene.body.mesh(element.cell_size(spacing))
+        sk = scikit_fem_mesh(mesh)
+        self._elements = element.discretise(mesh=mesh, sk=sk, material=scene.material)
+        self._mesh = self._elements.mesh
+        self._loads = loads_of(scene, sk, self._elements.load_shapes)
         self._essential = EssentialConditions.of(scene.constraints, self._mesh)
         self._V = self._elements.nodal_volumes
         self._mass = (scene.material.density * self._V)[:, None]
@@ -90,15 +94,22 @@ class Simulation:
         """``<scene>_fem_<element>``, for file names."""
         return f"{self.scene.name}_fem_{self.element.name}"
 
-    def stable_time_step(self) -> float:
-        """``cfl * min_e (length_e lambda_e / max(1, Jbar_e)) / c_p`` [s].
+    @property
+    def elements(self) -> int:
+        """Number of elements; the cells of a snapshot's mesh are eight for each of a quadratic."""
+        return self._elements.count
 
-        ``length_e`` is the smallest stretch of the reference map of element ``e`` (the edge of a
-        cube), ``lambda_e`` the smallest principal stretch at its Gauss points now, ``c_p`` the
-        p-wave speed of the undeformed solid: waves in the reference body travel at most about
-        ``c_p max(1, J) / lambda``.  The limit ``2 / omega_max`` of central differences lies
-        between 0.85 (free, nearly incompressible cubes) and 2 (slanted elements) times this at
-        ``cfl = 1``.  Raises ``Diverged`` when the state is invalid.
+    def stable_time_step(self) -> float:
+        """``cfl * min_e (L_e lambda_e / max(1, Jbar_e)) / c_p`` [s].
+
+        ``L_e`` belongs to the undeformed element: for ``BBarHex`` the smallest stretch of its
+        reference map (the edge of a cube), for ``TaylorHoodHex`` a measured share of the distance
+        of its nodes.  ``lambda_e`` is the smallest principal stretch at its Gauss points now,
+        ``Jbar_e`` its mean (largest) dilatation, ``c_p`` the p-wave speed of the undeformed solid:
+        waves in the reference body travel at most about ``c_p max(1, J) / lambda``.  The limit
+        ``2 / omega_max`` of central differences lies between 0.85 (free, nearly incompressible
+        B-bar cubes) and 3 (distorted elements) times this at ``cfl = 1``.  Raises ``Diverged``
+        when the state is invalid.
         """
         self._check()
         return self.cfl * self._elements.smallest_length() / self._wave_speed
@@ -127,7 +138,7 @@ class Simulation:
         self._check()
 
     def snapshot(self) -> Snapshot:
-        """State now: nodes with lumped volumes, stresses at element centroids."""
+        """State now: nodes with lumped volumes, stresses at the centres of the mesh's cells."""
         stress = self._elements.stress(self._x)
         X = self._mesh.vertices
         return Snapshot(
@@ -227,7 +238,7 @@ class Simulation:
             (
                 f"{self.name}: explicit finite elements",
                 f"  elements     {self._elements.description()}",
-                f"  nodes        {len(self._x)}, row-sum lumped mass",
+                f"  nodes        {len(self._x)}, lumped mass",
                 f"  time         central differences, cfl {self.cfl:g}, dt {dt:.4g} s now, about "
                 f"{math.ceil(remaining / dt)} steps to {self.scene.end_time:.4g} s",
                 f"  essential    {len(self._essential.nodes)} constrained nodes, "
@@ -240,7 +251,7 @@ class Simulation:
 
     def summary(self) -> str:
         """What was done: steps, time steps, speed."""
-        elements = len(self._mesh.cells)
+        elements = self._elements.count
         done = f"{self.name}: t = {self.time:.6g} s after {self.step} steps"
         if self.step == 0:
             return f"{done}; {elements} elements, {len(self._x)} nodes"
@@ -254,16 +265,14 @@ class Simulation:
     def _accelerate(self, x: Array, t: float, acceleration: Array) -> None:
         self._elements.internal_force(x, acceleration)
         if self._loads:
-            np.subtract(nodal_force(self._loads, t, len(x)), acceleration, out=acceleration)
-        else:
-            np.negative(acceleration, out=acceleration)
-        acceleration /= self._mass
+            acceleration -= nodal_force(self._loads, t, len(x))
+        divide_by_mass(self._mass, acceleration)
 
     def _check(self) -> None:
         element = self._elements.invalid_element()
         if element < 0:
             return
-        X = self._mesh.vertices[self._mesh.cells[element]].mean(axis=0)
+        X = self._elements.centre(element)
         raise Diverged(
             reason=f"element {element} is inside out, not finite or flattened",
             time=self.time,

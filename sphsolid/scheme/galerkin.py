@@ -40,7 +40,7 @@ def _cofactor(S: Any, lane: Any, has_H: Any) -> Tensor:
 
 @kernel
 def coarse(  # type: ignore[no-untyped-def]
-    material, G_k, G_f, adjoint, has_H, has_J, needs_rates, projects, projects_rate,
+    material, G_k, G_f, adjoint, has_H, has_J, needs_rates, knows_L, projects, projects_rate,
     p, x, F, H, J, P, Fdot, Hdot, Jdot, Fdot_C, scratch,
 ):  # fmt: skip
     """Eqs. (31b)-(31d) and the stress (9), projected by (40) when ``projects``.
@@ -48,7 +48,8 @@ def coarse(  # type: ignore[no-untyped-def]
     ``dF/dt = sum_b (p_b / rho0) (x) G_b``, ``dH/dt = F x grad v``, ``dJ/dt = H : grad v`` with the
     kinematic gradient ``G_k`` (when ``needs_rates``); ``F_x = sum_b x_b (x) G_b`` with the one
     whose adjoint makes the force, ``G_f``, the same one when ``adjoint``.  It is used at once and
-    never stored.  ``Fdot_C`` is the projected rate, when ``projects_rate``.
+    never stored.  ``Fdot_C`` is the projected rate, when ``projects_rate``.  ``Fdot`` is read, not
+    written, when it is known already (``knows_L``).
     """
     tiles, workers = len(G_k.runs) - 1, len(scratch)
     for t in prange(workers):
@@ -61,14 +62,18 @@ def coarse(  # type: ignore[no-untyped-def]
                 on_tile.fetch_tensor(H, at, S, _H)
             if has_J:
                 on_tile.fetch(J, 1, at, S, _J)
-            if needs_rates and projects and adjoint:
+            both = needs_rates and not knows_L and projects and adjoint
+            if both:
                 on_tile.two_gradients(G_k, tile, at, p, 1.0 / material.density, x, S, _L, _F_X)
-            elif needs_rates:
-                on_tile.gradient(G_k, tile, at, p, 1.0 / material.density, S, _L)
-            if projects and not (needs_rates and adjoint):
+            elif projects:
                 on_tile.gradient(G_f, tile, at, x, 1.0, S, _F_X)
             if needs_rates:
-                on_tile.put_tensor(S, _L, at, Fdot)
+                if knows_L:
+                    on_tile.fetch_tensor(Fdot, at, S, _L)
+                else:
+                    if not both:
+                        on_tile.gradient(G_k, tile, at, p, 1.0 / material.density, S, _L)
+                    on_tile.put_tensor(S, _L, at, Fdot)
                 if projects_rate:
                     for lane in range(U(LANES)):
                         rate = project(load_lane(S, _L, lane), load_lane(S, _F_X, lane))

@@ -36,44 +36,86 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from sphsolid.compiled import kernel, prange
-from sphsolid.continuum.tensor import axpy, cofactor, contract, cross, load, store
-from sphsolid.fields import tensor_field, vector_field
+from sphsolid.compiled import inlined, kernel, prange
+from sphsolid.continuum.tensor import axpy, cofactor, contract, cross
+from sphsolid.fields import LANES, components, vector_field
+from sphsolid.scheme import tile as on_tile
 from sphsolid.scheme.boundary import EssentialConditions
 from sphsolid.scheme.power import Account, NoAccount
 from sphsolid.scheme.right_hand_side import RightHandSide, State
 from sphsolid.scheme.stabilisation import SUPG
 from sphsolid.scheme.stages import Stages, Stepper, moved
+from sphsolid.scheme.tile import STRIDE, U, load_lane, store_lane
+
+# Scratch rows.
+_L, _F, _H, _J = 0, 9, 18, 27
+
+
+@inlined
+def _rate_of_J(S, lane, has_H, a):  # type: ignore[no-untyped-def]
+    """``[J(a) - J(0)] / a`` of the drift; ``H : L`` for ``a = 0``."""
+    L, F = load_lane(S, _L, lane), load_lane(S, _F, lane)
+    H = load_lane(S, _H, lane) if has_H else cofactor(F)
+    curved = 0.5 * contract(cross(F, L), L) + a / 6.0 * contract(cross(L, L), L)
+    return contract(H, L) + a * curved
 
 
 @kernel
-def _drift(a, has_F, has_H, has_J, L, F, H, J):  # type: ignore[no-untyped-def]
-    for i in prange(len(L)):
-        L_i, F_i = load(L, i), load(F, i)
-        FxL, LxL = cross(F_i, L_i), cross(L_i, L_i)
-        H_i = load(H, i) if has_H else cofactor(F_i)
-        if has_J:
-            curved = 0.5 * contract(FxL, L_i) + a / 6.0 * contract(LxL, L_i)
-            J[i] += a * (contract(H_i, L_i) + a * curved)
-        if has_H:
-            store(axpy(a, axpy(0.5 * a, LxL, FxL), H_i), H, i)
-        if has_F:
-            store(axpy(a, L_i, F_i), F, i)
+def _drift(a, has_F, has_H, has_J, L, F, H, J, scratch):  # type: ignore[no-untyped-def]
+    tiles, workers = L.size // (9 * LANES), len(scratch)
+    for t in prange(workers):
+        S = scratch[t]
+        begin, end = on_tile.share(t, workers, tiles)
+        for tile in range(begin, end):
+            at = tile * U(LANES)
+            on_tile.fetch_tensor(L, at, S, _L)
+            on_tile.fetch_tensor(F, at, S, _F)
+            if has_H:
+                on_tile.fetch_tensor(H, at, S, _H)
+            if has_J:
+                on_tile.fetch(J, 1, at, S, _J)
+                for lane in range(U(LANES)):
+                    S[U(_J * STRIDE) + lane] += a * _rate_of_J(S, lane, has_H, a)
+                on_tile.put(S, _J, 1, at, J)
+            if has_H:
+                for lane in range(U(LANES)):
+                    L_a = load_lane(S, _L, lane)
+                    rate = axpy(0.5 * a, cross(L_a, L_a), cross(load_lane(S, _F, lane), L_a))
+                    store_lane(axpy(a, rate, load_lane(S, _H, lane)), S, _H, lane)
+                on_tile.put_tensor(S, _H, at, H)
+            if has_F:
+                for lane in range(U(LANES)):
+                    moved_F = axpy(a, load_lane(S, _L, lane), load_lane(S, _F, lane))
+                    store_lane(moved_F, S, _F, lane)
+                on_tile.put_tensor(S, _F, at, F)
 
 
 @kernel
-def _kick_J(dt, has_H, L, F, H, Jdot, J):  # type: ignore[no-untyped-def]
+def _kick_J(dt, has_H, L, F, H, Jdot, J, scratch):  # type: ignore[no-untyped-def]
     # The drift has what the velocities do to J; what is left of its rate is D(J).
-    for i in prange(len(J)):
-        H_i = load(H, i) if has_H else cofactor(load(F, i))
-        J[i] += dt * (Jdot[i] - contract(H_i, load(L, i)))
+    tiles, workers = L.size // (9 * LANES), len(scratch)
+    for t in prange(workers):
+        S = scratch[t]
+        begin, end = on_tile.share(t, workers, tiles)
+        for tile in range(begin, end):
+            at = tile * U(LANES)
+            on_tile.fetch_tensor(L, at, S, _L)
+            on_tile.fetch_tensor(F, at, S, _F)
+            if has_H:
+                on_tile.fetch_tensor(H, at, S, _H)
+            on_tile.fetch(J, 1, at, S, _J)
+            for lane in range(U(LANES)):
+                left = Jdot[0, at + lane] - _rate_of_J(S, lane, has_H, 0.0)
+                S[U(_J * STRIDE) + lane] += dt * left
+            on_tile.put(S, _J, 1, at, J)
 
 
 @kernel
-def _differing(one, other):  # type: ignore[no-untyped-def]
+def _differing(one, other, size):  # type: ignore[no-untyped-def]
+    # Only particles count: the padding of a row may hold anything.
     count = 0
-    for i in prange(len(one)):
-        if one[i, 0] != other[i, 0] or one[i, 1] != other[i, 1] or one[i, 2] != other[i, 2]:
+    for i in prange(size):
+        if one[0, i] != other[0, i] or one[1, i] != other[1, i] or one[2, i] != other[2, i]:
             count += 1
     return count
 
@@ -107,10 +149,8 @@ class PositionVerletStepper(Stepper):
         f, supg = rhs.formulation, rhs.stabilisation
         self._damps_J = isinstance(supg, SUPG) and supg.tau_p > 0.0
         self._drifts = f.evolves_F or f.evolves_H or f.evolves_J
-        self._L = tensor_field(
-            len(state.p) if self._drifts else 0, particle_major=rhs.cloud.particle_major
-        )
-        self._p_of_L = vector_field(len(self._L))
+        # Which velocities rhs.rates.F is the gradient of.
+        self._p_of_L = vector_field(len(state.p) if self._drifts else 0)
         self._p_of_L[:] = np.nan
 
     def advance(self, dt: float, t: float) -> None:
@@ -118,7 +158,7 @@ class PositionVerletStepper(Stepper):
         rhs, state, essential = self.rhs, self.state, self.essential
         p_start, half = self.work.p_start, t + 0.5 * dt
         self._drift(0.5 * dt)
-        rates = rhs.evaluate(state, state.x, dt, half)
+        rates = rhs.evaluate(state, state.x, dt, half, knows_L=self._drifts)
         p_start[:] = state.p
         moved(p_start, dt, (0.5, 0.5), rates.p, rates.p, state.p)
         held = essential.particles
@@ -131,8 +171,13 @@ class PositionVerletStepper(Stepper):
             mean = replace(state, p=0.5 * (p_start + state.p))
             rhs.kinematic_gradient(mean.p, 1.0 / rhs.material.density, rates.F)
             self.account.stage(mean, state.x, dt, half)
+            rhs.kinematic_gradient(p_start, 1.0 / rhs.material.density, rates.F)
         if self._damps_J:
-            _kick_J(dt, rhs.formulation.evolves_H, self._L, state.F, state.H, rates.J, state.J)
+            _, F, H, J = state.rows()
+            _kick_J(
+                dt, rhs.formulation.evolves_H, components(rates.F), F, H, components(rates.J), J,
+                rhs.scratch,
+            )  # fmt: skip
         self._drift(0.5 * dt)
 
     def _drift(self, a: float) -> None:
@@ -141,10 +186,14 @@ class PositionVerletStepper(Stepper):
         if self._drifts:
             # The velocities at the end of a step are those at the start of the next, unless
             # somebody changed the state in between.
-            if _differing(state.p, self._p_of_L):
-                rhs.kinematic_gradient(state.p, 1.0 / density, self._L)
+            if _differing(components(state.p), components(self._p_of_L), len(state.p)):
+                rhs.kinematic_gradient(state.p, 1.0 / density, rhs.rates.F)
                 self._p_of_L[:] = state.p
-            _drift(a, f.evolves_F, f.evolves_H, f.evolves_J, self._L, state.F, state.H, state.J)
+            _, F, H, J = state.rows()
+            _drift(
+                a, f.evolves_F, f.evolves_H, f.evolves_J, components(rhs.rates.F), F, H, J,
+                rhs.scratch,
+            )  # fmt: skip
         moved(state.x, a / density, (0.5, 0.5), state.p, state.p, state.x)
         if not f.evolves_F:
             rhs.kinematic_gradient(state.x, 1.0, state.F)

@@ -140,8 +140,10 @@ class RightHandSide:
         if result is not out:
             out[:] = result
 
-    def evaluate(self, state: State, geometry: Array, dt: float, t: float) -> State:
-        """Rates of ``state`` at time ``t``.
+    def evaluate(
+        self, state: State, geometry: Array, dt: float, t: float, *, knows_L: bool = False
+    ) -> State:
+        """Rates of ``state`` at time ``t``; ``knows_L``: ``rates.F`` is that of ``state`` already.
 
         ``geometry (N, 3)`` [m] are the positions whose ``F_x = sum_b x_b (x) G_b`` the projection
         uses, with the gradient whose adjoint makes the force.
@@ -152,7 +154,7 @@ class RightHandSide:
         Fdot, P, pdot = components(rates.F), components(self.P), components(rates.p)
         galerkin.coarse(
             self.material, cloud.kinematic, cloud.force, cloud.is_adjoint, f.evolves_H, f.evolves_J,
-            self.keeps_rates, self.projects, len(self._Fdot_C) > 0, p, x, F, H, J, P, Fdot,
+            self.keeps_rates, knows_L, self.projects, len(self._Fdot_C) > 0, p, x, F, H, J, P, Fdot,
             components(rates.H), components(rates.J), components(self._Fdot_C), self.scratch,
         )  # fmt: skip
         if isinstance(self.stabilisation, SUPG):

@@ -30,7 +30,7 @@ import sphsolid as sph
 #: Bytes of a number.
 REAL = 8
 #: Nodes and Gauss points of an element, by its name.
-ELEMENTS = {"b_bar_hex": (8, 8)}
+ELEMENTS = {"b_bar_hex": (8, 8), "taylor_hood_hex": (27, 27)}
 
 
 @dataclass(frozen=True)
@@ -148,7 +148,7 @@ def _of_stabilisation(sim: sph.Simulation) -> Work:
 
 def _of_elements(sim: fem.Simulation) -> Work:
     nodes, points = ELEMENTS[sim.element.name]
-    visits = len(sim.snapshot().mesh.cells) * nodes
+    visits = sim.elements * nodes
     # Positions in, F and force at every point, element forces out and gathered at the nodes.
     # Position, velocity and acceleration of the nodes.
     streamed = REAL * 9.0 * len(sim.snapshot().X)

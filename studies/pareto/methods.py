@@ -9,7 +9,12 @@ import fem_reference as fem
 import sphsolid as sph
 from fem_reference.element import Element
 from sphsolid.cloud import SecondaryPoints
-from sphsolid.defaults import Integrator, default_stabilisation
+from sphsolid.defaults import (
+    Integrator,
+    default_cfl,
+    default_integrator,
+    default_stabilisation,
+)
 from sphsolid.scenes.scene import Scene
 from sphsolid.scheme.formulation import Formulation
 from sphsolid.scheme.stabilisation import NoStabilisation, Stabilisation
@@ -22,7 +27,7 @@ MIXED, DENSE, PAPER, PLAIN, FEM = (
 
 
 _H1, _H6, _NONE = sph.H1(), sph.H6(), sph.NoStabilisation()
-_SSP_RK3, _TVD_RK2 = sph.SSPRK3(), sph.TVDRK2()
+_DEFAULT, _SSP_RK3, _TVD_RK2 = default_integrator(), sph.SSPRK3(), sph.TVDRK2()
 
 
 class Method(Protocol):
@@ -57,12 +62,12 @@ class Particles:
     """SPH with the package's defaults in everything that is not named here.
 
     ``secondary`` says where SUPG is integrated, or that there is none.  With the paper's integrator
-    ``tau_F`` is the paper's too, one step.
+    ``tau_F`` and the weighting are the paper's too: one step, as printed.
     """
 
     formulation: Formulation
     secondary: SecondaryPoints | NoStabilisation = _H1
-    integrator: Integrator = _SSP_RK3
+    integrator: Integrator = _DEFAULT
     projects: bool = True
 
     @property
@@ -70,7 +75,7 @@ class Particles:
         """``{p,F} H1``; what is not the default is added."""
         words = [self.formulation.name]
         words += [] if isinstance(self.formulation, sph.Displacement) else [self.secondary.name]
-        words += [] if self.integrator == _SSP_RK3 else [self.integrator.name]
+        words += [] if self.integrator == _DEFAULT else [self.integrator.name]
         words += [] if self.projects else ["no projection"]
         return " ".join(words)
 
@@ -102,9 +107,11 @@ class Particles:
         """The default for the formulation and the material, at these secondary points."""
         if isinstance(self.secondary, NoStabilisation):
             return self.secondary
-        chosen = default_stabilisation(self.formulation, scene.material)
-        tau_F = 1.0 if self.integrator == _TVD_RK2 else chosen.tau_F
-        return replace(chosen, secondary=self.secondary, tau_F=tau_F)
+        cfl = default_cfl(self.integrator)
+        chosen = default_stabilisation(self.formulation, scene.material, cfl)
+        if self.integrator == _TVD_RK2:
+            chosen = sph.SUPG(tau_F=1.0, xi_F=0.0, tau_p=chosen.tau_p)
+        return replace(chosen, secondary=self.secondary)
 
     def simulation(self, scene: Scene, cells: int) -> sph.Simulation:
         """Particles ``1/cells`` apart."""
@@ -145,7 +152,7 @@ class Elements:
 
     def simulation(self, scene: Scene, cells: int) -> fem.Simulation:
         """Nodes ``1/cells`` apart."""
-        return fem.Simulation(scene, spacing=self.edge / cells, element=self.element)
+        return fem.Simulation(scene, spacing=1.0 / cells, element=self.element)
 
 
 PF, PFJ, PFHJ, DISPLACEMENT = sph.PF(), sph.PFJ(), sph.PFHJ(), sph.Displacement()
@@ -159,9 +166,12 @@ COMPARED: tuple[Method, ...] = (
     Particles(PFJ, _H6),
     Particles(PF, _NONE),
     Particles(DISPLACEMENT, _NONE),
+    Particles(PF, integrator=_SSP_RK3),
+    Particles(PFJ, integrator=_SSP_RK3),
     Particles(PF, integrator=_TVD_RK2),
     Particles(PFJ, integrator=_TVD_RK2),
     Elements(B_BAR, fem.BBarHex()),
+    Elements("Taylor-Hood FEM", fem.TaylorHoodHex(), edge=2),
 )
 #: Formulation x stabilisation x projection: what each option costs and gives.
 OPTIONS: tuple[Method, ...] = (
@@ -178,7 +188,7 @@ METHODS: dict[str, Method] = {method.label: method for method in (*OPTIONS, *COM
 CANDIDATES = tuple(
     method.label
     for method in COMPARED
-    if isinstance(method, Particles) and method.integrator == _SSP_RK3
+    if isinstance(method, Particles) and method.integrator == _DEFAULT
 )
 #: Methods whose limits make the reference of the column, one of each kind.
 REFERENCES = (B_BAR, "{p,F,J} H1")
@@ -193,4 +203,5 @@ def goes_finest(method: Method, nu: float) -> bool:
     if not isinstance(method, Particles):
         return True
     fields = (PF, PFJ) if nu < 0.45 else (PFJ,)
-    return method.family == MIXED and method.projects and method.formulation in fields
+    mine = method.integrator == _DEFAULT
+    return mine and method.family == MIXED and method.projects and method.formulation in fields

@@ -165,7 +165,8 @@ def _what_is_measured() -> Bullets:
             "Equal error: straight lines in the logarithms between lattices; a lattice counts with "
             "the largest error of it and all finer ones, since a zero crossing is luck; at most a "
             f"factor {FARTHEST:g} in the error beyond the finest lattice.",
-            "SPH: the package's defaults (Consistent operator, SSP-RK3, local projection); `RK2` "
+            "SPH: the package's defaults (Consistent operator, position Verlet, self-adjoint "
+            "weighting, local projection); `RK3` rows: SSP-RK3 at CFL 0.5; `RK2` "
             "rows: TVD-RK2 at CFL 0.3 with tau_F of a step, the paper's. No method is tuned.",
             f"What to use: CPU times within {SAME_COST:.0%} count as equal, and the one that holds "
             f"less memory is taken; a method that made more than {ENERGY_MADE:.0%} energy or was "

@@ -17,20 +17,68 @@ ROOT = Path(__file__).resolve().parents[2]
 
 @pytest.mark.parametrize(
     ("formulation", "nu", "tau_p"),
-    [(sph.PF(), 0.495, 0.0), (sph.PFJ(), 0.495, 0.1), (sph.PFHJ(), 0.45, 0.1),
-     (sph.PFJ(), 0.3, 0.0), (sph.Displacement(), 0.495, 0.0)],
+    [(sph.PF(), 0.495, 0.0), (sph.PFJ(), 0.495, 0.1), (sph.PFHJ(), 0.45, 0.0),
+     (sph.PFHJ(), 0.4999, 0.1), (sph.PFJ(), 0.3, 0.0), (sph.Displacement(), 0.495, 0.0)],
 )  # fmt: skip
 def test_options_that_are_not_given_are_chosen(formulation: Any, nu: float, tau_p: float) -> None:
     sim = sph.Simulation(
         twisting_column(poisson_ratio=nu), spacing=0.5, formulation=formulation
     )
-    assert sim.stabilisation == sph.SUPG(tau_F=0.5, xi_F=0.0, tau_p=tau_p)
-    assert sim.integrator == sph.SSPRK3()
-    assert sim._time_step.cfl == 0.5
+    # min(0.5, 5 c_s / c_p) h / c_p, and (c_s / c_p)^2 = (1 - 2 nu) / (2 - 2 nu).
+    own = min(0.5, 5.0 * ((1.0 - 2.0 * nu) / (2.0 - 2.0 * nu)) ** 0.5)
+    supg = sim.stabilisation
+    assert isinstance(supg, sph.SUPG)
+    assert supg.tau_F == pytest.approx(own / 0.7, rel=1e-9)
+    assert supg == sph.SUPG(
+        tau_F=supg.tau_F, xi_F=0.0, tau_p=tau_p, weighting=sph.SelfAdjoint()
+    )
+    assert sim.integrator == sph.PositionVerlet()
+    assert sim._time_step.cfl == 0.7
     assert sim.h_over_dx == 0.77
     plan = sim.plan()
-    assert "CFL 0.5 (on a free lattice block at rest modes grow slowly above" in plan
+    assert "CFL 0.7 (on a free lattice block at rest modes grow slowly above" in plan
     assert "by default     stabilisation, h_over_dx, integrator, cfl, operator, smoothing" in plan
+
+
+@pytest.mark.parametrize("nu", [0.3, 0.499])
+def test_tau_F_is_a_time_of_the_solid_and_the_spacing(nu: float) -> None:
+    """The coefficient falls as the step grows: the product does not know the step."""
+    scene = twisting_column(poisson_ratio=nu)
+    times = []
+    for options in ({}, {"cfl": 0.35}, {"integrator": sph.SSPRK3()}):
+        sim = sph.Simulation(scene, spacing=0.5, formulation=sph.PFJ(), **options)
+        assert isinstance(sim.stabilisation, sph.SUPG)
+        times.append(sim.stabilisation.tau_F * sim.stable_time_step())
+    assert times == pytest.approx([times[0]] * 3, rel=1e-12)
+
+
+def test_auto_takes_a_share_of_the_limit() -> None:
+    scene = twisting_column(poisson_ratio=0.3)
+    sim = sph.Simulation(scene, spacing=0.5, formulation=sph.PF(), cfl="auto")
+    limit = defaults.stability_limit(sim.integrator, sim.formulation, scene.material)
+    assert isinstance(limit, defaults.StabilityLimit)
+    assert sim._time_step.cfl == pytest.approx(defaults.MARGIN * limit.slow)
+    assert sim._time_step.cfl > 0.7
+
+
+@pytest.mark.parametrize("integrator", [sph.PositionVerlet(), sph.SSPRK3(), sph.TVDRK2()])
+@pytest.mark.parametrize("formulation", [sph.PF(), sph.PFJ()])
+def test_every_integrator_has_its_limits(integrator: Any, formulation: Any) -> None:
+    for nu in (0.0, 0.3, 0.4, 0.45, 0.495, 0.499, 0.4999):
+        material = twisting_column(poisson_ratio=nu).material
+        limit = defaults.stability_limit(integrator, formulation, material)
+        assert isinstance(limit, defaults.StabilityLimit)
+        assert 0.0 < limit.slow <= limit.fast
+
+
+@pytest.mark.parametrize("nu", [0.0, 0.3, 0.4, 0.45, 0.495, 0.499, 0.4999])
+@pytest.mark.parametrize("formulation", [sph.PF(), sph.PFJ()])
+def test_the_default_step_is_below_the_limit_of_every_solid(formulation: Any, nu: float) -> None:
+    integrator = defaults.default_integrator()
+    material = twisting_column(poisson_ratio=nu).material
+    limit = defaults.stability_limit(integrator, formulation, material)
+    assert isinstance(limit, defaults.StabilityLimit)
+    assert defaults.default_cfl(integrator) < limit.slow
 
 
 def test_what_is_given_is_kept_and_said() -> None:

@@ -11,6 +11,7 @@ import pandas as pd
 import pytest
 
 import sphsolid as sph
+from sphsolid.defaults import default_stabilisation
 from sphsolid.recommend import Evidence, NotMeasured, recommend
 from sphsolid.scenes import twisting_column
 
@@ -32,13 +33,16 @@ def table(tmp_path: Path, monkeypatch: Any) -> None:
     monkeypatch.setattr(module, "RECOMMENDATIONS", path)
 
 
+CHOSEN = sph.SUPG(tau_F=0.5 / 0.7, xi_F=0.0, weighting=sph.SelfAdjoint())
+
+
 @pytest.mark.parametrize(
     ("nu", "formulation", "stabilisation"),
     [
-        (0.0, sph.PF(), sph.SUPG(tau_F=0.5, xi_F=0.0)),
-        (0.3, sph.PF(), sph.SUPG(tau_F=0.5, xi_F=0.0)),
-        (0.31, sph.PFJ(), sph.SUPG(tau_F=0.5, xi_F=0.0, secondary=sph.H6())),
-        (0.45, sph.PFJ(), sph.SUPG(tau_F=0.5, xi_F=0.0, tau_p=0.1, secondary=sph.H6())),
+        (0.0, sph.PF(), CHOSEN),
+        (0.3, sph.PF(), CHOSEN),
+        (0.31, sph.PFJ(), replace(CHOSEN, secondary=sph.H6())),
+        (0.45, sph.PFJ(), replace(CHOSEN, secondary=sph.H6())),
         (0.495, sph.PFHJ(), sph.NoStabilisation()),
         (0.4999, sph.PFHJ(), sph.NoStabilisation()),
     ],
@@ -73,7 +77,7 @@ def test_a_law_of_the_cofactor_gets_its_law_and_no_numbers(table: None) -> None:
     assert material.depends_on_H
     advice = recommend(replace(neo_hookean, material=material))
     assert advice.formulation == sph.PFHJ()
-    assert advice.stabilisation == sph.SUPG(tau_F=0.5, xi_F=0.0, tau_p=0.1)
+    assert advice.stabilisation == default_stabilisation(sph.PFHJ(), material)
     assert advice.evidence == NotMeasured()
     assert "no such material" in advice.reason
 

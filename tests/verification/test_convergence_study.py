@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import json
 import math
 from pathlib import Path
@@ -16,19 +17,25 @@ from studies.convergence import study as convergence
 from studies.convergence.verdicts import verdict_table
 from studies.harness.cases import ROOT
 from studies.harness.front import main
-from studies.harness.results import Results, read_results
+from studies.harness.results import read_results
 from studies.operators import cases as operators_cases
-from studies.report.document import Document
 from studies.report.readme_table import BEGIN, END, results_table, with_table
-from studies.speed import cases as speed_cases
-from studies.speed import study as speed
 
 
 @pytest.fixture(scope="module")
 def out(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The whole study to h = 1/8."""
+    """The cross of the short form to h = 1/8."""
     folder = tmp_path_factory.mktemp("convergence")
-    assert main(convergence.STUDY, ["--finest", "8", "--out", str(folder)]) == 0
+    listed = [
+        case
+        for cells in (4, 8)
+        for case in (
+            *convergence._of_level(cells, quick=True),
+            *convergence._nearly_incompressible(cells, ("H1",)),
+        )
+    ]
+    study = dataclasses.replace(convergence.STUDY, cases=lambda options: listed)
+    assert main(study, ["--out", str(folder)]) == 0
     return folder
 
 
@@ -90,23 +97,6 @@ def test_the_readme_table_is_that_of_the_reports() -> None:
     readme = (ROOT / "README.md").read_text(encoding="utf-8")
     assert with_table(readme, results_table(summary)) == readme
     assert readme.index(BEGIN) < readme.index(END)
-
-
-def test_a_timing_is_a_row_of_the_speed_table(tmp_path: Path) -> None:
-    rows = speed_cases.run_case(
-        solver="SUPG-SPH", formulation="{p,F}", secondary="H1", tau_p=0.0, jitter=0.0,
-        cells=3, threads=1,
-    )  # fmt: skip
-    rows += speed_cases.run_case(
-        solver="B-bar FEM", formulation="-", secondary="-", tau_p=0.0, jitter=0.0,
-        cells=3, threads=1,
-    )  # fmt: skip
-    table = speed.tables(rows)["table"]
-    assert (table["ns_per_particle_step"] > 0.0).all()
-    assert table["bytes_per_particle"].iloc[0] > 100.0
-    run = json.loads((ROOT / "reports" / "convergence" / "run.json").read_text())
-    document = speed.report(Results(tmp_path, {"table": table}, pd.DataFrame(), run))
-    assert isinstance(document, Document)
 
 
 def test_the_twist_of_the_top_is_measured_as_turned() -> None:

@@ -65,7 +65,7 @@ def test_every_term_is_needed() -> None:
     sim = block(
         formulation=sph.PFJ(), stabilisation=sph.SUPG(tau_p=0.2), operator=FORCE_ONLY
     )
-    balance = advanced(sim, 120)
+    balance = advanced(sim, 480)
     left = abs(rest(sim))
     for name in power.TERMS:
         assert abs(balance.works[name]) > 20.0 * left, name

@@ -93,8 +93,8 @@ def test_a_transposed_gradient(monkeypatch: Patch, wrong: Callable[..., Array]) 
 def test_dissipation_spread_without_its_volumes(monkeypatch: Patch) -> None:
     right = cloud_module.build_secondary
 
-    def wrong(cloud: Any, points: Any, *, h_over_dx: float) -> Any:
-        q = right(cloud, points, h_over_dx=h_over_dx, stencils=False)
+    def wrong(cloud: Any, points: Any, **options: Any) -> Any:
+        q = right(cloud, points, **options, stencils=False)
         weight = cloud.V[q.spread_pairs.row_of_pair] / cloud.V.mean()
         q.spreading.coefficient[:] *= weight
         return q

@@ -80,7 +80,8 @@ def test_both_solvers_agree_at_the_start_of_a_run(name):
     scene, spacing, until, most = SCENES[name]
     found = []
     for solver in (sph.Simulation, fem.Simulation):
-        sim = solver(scene, spacing=spacing)
+        # Steps short enough that what differs is the scheme in space.
+        sim = solver(scene, spacing=spacing, cfl=0.2)
         sim.run(until=until)
         found.append(sim.snapshot().displacement)
     difference = math.sqrt(np.mean(np.sum((found[0] - found[1]) ** 2, axis=1)))

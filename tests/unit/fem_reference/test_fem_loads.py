@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from fem_reference.loads import loads_of, nodal_force
+from fem_reference.load_shapes import trilinear_shapes
+from fem_reference.loads import Load, loads_of, nodal_force
 from fem_reference.mesh import scikit_fem_mesh
 from sphsolid.continuum import NeoHookean
 from sphsolid.errors import InputError
@@ -17,15 +18,20 @@ FACES = ("X-", "X+", "Y-", "Y+", "Z-", "Z+")
 BOX = Box(upper=(1.0, 2.0, 0.5), jitter=0.5, seed=2)
 
 
+def trilinear_loads(scene: Scene, mesh: HexMesh) -> tuple[Load, ...]:
+    sk = scikit_fem_mesh(mesh)
+    return loads_of(scene, sk, trilinear_shapes(sk))
+
+
 def forces(scene: Scene, t: float = 0.0) -> tuple[HexMesh, Array]:
     mesh = scene.body.mesh(0.25)
-    loads = loads_of(scene, scikit_fem_mesh(mesh))
+    loads = trilinear_loads(scene, mesh)
     return mesh, nodal_force(loads, t, len(mesh.vertices))
 
 
 def test_a_body_without_loads_has_no_load_vectors() -> None:
     scene = Scene("free", BOX, MATERIAL, 1.0)
-    assert loads_of(scene, scikit_fem_mesh(BOX.mesh(0.25))) == ()
+    assert trilinear_loads(scene, BOX.mesh(0.25)) == ()
 
 
 @pytest.mark.parametrize("jitter", [0.0, 0.5])

@@ -52,11 +52,8 @@ def test_gradients_reproduce_linear_fields_and_volumes_add_up(jitter: float) -> 
     assert quadrature.congruent == (jitter == 0.0)
     A = np.random.default_rng(0).normal(size=(3, 3))
     linear = (mesh.vertices @ A.T)[mesh.cells]
-    gradients = np.broadcast_to(quadrature.gradients, (len(mesh.cells), 8, 8, 3))
     centroid = np.broadcast_to(quadrature.centroid_gradients, (len(mesh.cells), 8, 3))
-    at_points = np.einsum("eai,egak->egik", linear, gradients)
     at_centre = np.einsum("eai,eak->eik", linear, centroid)
-    np.testing.assert_allclose(at_points, np.broadcast_to(A, at_points.shape), atol=1e-12)
     np.testing.assert_allclose(at_centre, np.broadcast_to(A, at_centre.shape), atol=1e-12)
     volume = 2.0 * 0.9 * 1.0
     assert quadrature.volumes.sum() == pytest.approx(volume, rel=1e-14)
@@ -76,7 +73,7 @@ def test_length_is_the_shortest_edge_of_a_brick_and_less_when_slanted() -> None:
     assert length == pytest.approx(expected)
 
 
-def test_a_lattice_flag_on_unequal_cells_does_not_share_gradients() -> None:
+def test_a_lattice_flag_on_unequal_cells_does_not_make_them_bricks() -> None:
     mesh = Box(jitter=0.3).mesh(0.5)
     assert not hex_quadrature(
         dataclasses.replace(mesh, is_lattice=True), scikit_fem_mesh(mesh)

@@ -135,9 +135,11 @@ def test_projecting_with_the_positions_of_the_start_loses_it(
     """Planted: ``F_x`` half a step late."""
     right = RightHandSide.evaluate
 
-    def late(self: RightHandSide, state: Any, geometry: Any, dt: float, t: float) -> Any:
+    def late(
+        self: RightHandSide, state: Any, geometry: Any, dt: float, t: float, **known: bool
+    ) -> Any:
         start = geometry - 0.5 * dt / self.material.density * state.p
-        return right(self, state, start, dt, t)
+        return right(self, state, start, dt, t, **known)
 
     monkeypatch.setattr(RightHandSide, "evaluate", late)
     sim = after(spinning_block(), 20, stabilisation=sph.SUPG())
@@ -152,9 +154,11 @@ def test_one_evaluation_and_one_gradient_of_the_velocities_a_step(
     called = {"evaluate": 0, "kinematic_gradient": 0}
     for name in called:
 
-        def counted(*arguments: Any, name: str = name, right: Any = getattr(sim._rhs, name)) -> Any:
+        def counted(
+            *arguments: Any, name: str = name, right: Any = getattr(sim._rhs, name), **known: bool
+        ) -> Any:
             called[name] += 1
-            return right(*arguments)
+            return right(*arguments, **known)
 
         monkeypatch.setattr(sim._rhs, name, counted)
     for _ in range(5):

@@ -76,7 +76,8 @@ def test_energy_swings_but_does_not_drift() -> None:
 
 def noisy_block() -> Scene:
     def noise(X: Any) -> Any:
-        return 1e-6 * np.random.default_rng(0).normal(size=X.shape)
+        # Large enough that the energy stands clear of the round-off in W(F) - W(I).
+        return 1e-4 * np.random.default_rng(0).normal(size=X.shape)
 
     return Scene("noise", Box(), RUBBER, 1.0, initial_velocity=noise)
 
@@ -96,4 +97,4 @@ def test_noise_neither_grows_nor_decays_where_two_stages_let_it_grow() -> None:
 def test_it_is_lost_at_once_beyond_its_limit() -> None:
     sim = build(noisy_block(), cfl=1.1)
     E = energies(sim, sim.stable_time_step(), 12)
-    assert E[-1] > 1e6 * E[0]
+    assert not E[-1] < 1e6 * E[0]

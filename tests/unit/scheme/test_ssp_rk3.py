@@ -149,8 +149,9 @@ def test_undamped_noise_decays_where_two_stages_let_it_grow() -> None:
     kept = {}
     for integrator in (sph.TVDRK2(), THIRD):
         sim = sph.Simulation(
-            scene, spacing=0.25, integrator=integrator, cfl=0.4, stabilisation=UNDAMPED
-        )
+            scene, spacing=0.25, formulation=sph.PF(), integrator=integrator, cfl=0.4,
+            stabilisation=UNDAMPED,
+        )  # fmt: skip
         start = sim.snapshot().kinetic_energy
         for _ in range(400):
             sim.advance(sim.stable_time_step())

@@ -10,7 +10,7 @@ import pytest
 import sphsolid as sph
 from sphsolid.errors import InputError
 from sphsolid.scenes import swinging_cube
-from sphsolid.scheme.stabilisation import check_pair
+from sphsolid.scheme.stabilisation import check_formulation, check_pair
 from tests.oracles.blocks import FORMULATIONS
 
 
@@ -78,7 +78,7 @@ def test_terms_need_the_law_they_stabilise(formulation: Any) -> None:
 @pytest.mark.parametrize("unknown", ["{p,F}", None, 3, sph.PF, sph.SUPG()])
 def test_an_unknown_formulation_is_refused(unknown: Any) -> None:
     with pytest.raises(InputError, match=r"formulation = .*PF\(\), PFJ\(\)"):
-        check_pair(unknown, sph.SUPG())
+        check_formulation(unknown)
 
 
 @pytest.mark.parametrize("unknown", ["SUPG", None, sph.SUPG, sph.PF()])

@@ -37,16 +37,18 @@ def _rows(shots: Path, press: str, method: str, until: float = 0.015, cells: int
 
 @pytest.fixture(scope="module")
 def results(tmp_path_factory: pytest.TempPathFactory) -> Results:
-    """Five methods, both readings, to 15 ms, read as the front would hand them on."""
+    """Five methods, three of them in both readings, to 15 ms, as the front would hand them on."""
     out = tmp_path_factory.mktemp("punch")
     rows = [
         row
-        for press in ("initial", "held")
-        for method in (FEM, DISPLACEMENT, GALERKIN, H6, H1)
+        for press, methods in (
+            ("initial", (FEM, DISPLACEMENT, GALERKIN, H6, H1)), ("held", (FEM, H6, H1)),
+        )
+        for method in methods
         for row in _rows(out / "shots", press, method)
     ]
     rows += _rows(out / "shots", "initial", FEM, cells=2 * CELLS)
-    rows += punch_cost.run_case(key="cost", tau_p=0.1, cells=CELLS)
+    rows += punch_cost.run_case(key="cost", tau_p=0.1, cells=CELLS, repeats=2, work=1e3)
     run = json.loads((ROOT / "reports" / "convergence" / "run.json").read_text())
     return Results(out, punch.tables(rows), pd.DataFrame(), run)
 
@@ -59,7 +61,7 @@ def _one(results: Results, press: str, method: str) -> pd.Series:
 
 def test_every_run_has_a_row_with_all_that_was_measured(results: Results) -> None:
     table = results.tables["table"]
-    assert len(table) == 11
+    assert len(table) == 9
     assert set(table["lattice"]) == {"11x6x2", "21x11x3"}
     assert table["survived"].all()
     held = table[table["press"] == "held"]

@@ -14,22 +14,41 @@ from sphsolid.scenes.scene import Scene, Traction
 from studies.harness.cases import execute
 from studies.report.plotting import style
 from studies.stability.spectrum import Linearisation
-from studies.stability.spectrum_cases import BODIES, contraction, simulation
+from studies.stability.spectrum_cases import BODIES, TIMES, contraction, large, simulation
 from studies.stability.spectrum_growth import decades, largest_modulus, limits
 from studies.stability.spectrum_modes import lattice_places, name_of_wave, shape
 from studies.stability.spectrum_report import spectrum_sections
-from studies.stability.spectrum_scan import DEFAULT, SCANS, _case, spectrum_cases, spectrum_tables
+from studies.stability.spectrum_scan import (
+    DEFAULT,
+    RATIOS,
+    SCANS,
+    VERLET,
+    _case,
+    chosen,
+    spectrum_cases,
+    spectrum_tables,
+)
 from studies.stability.spectrum_symbol import Symbol
 
 PLAIN = DEFAULT | {
     "integrator": "TVD-RK2", "formulation": "{p,F}", "nu": 0.3, "tau_p": 0.0, "tau_F": 1.0,
-    "xi_F": 0.1,
+    "xi_F": 0.1, "weighting": "printed", "tau_unit": "dt",
 }  # fmt: skip
 
 
+def built(body, cells, **options):
+    """The simulation and what its intrinsic times do."""
+    options = PLAIN | options
+    unit = TIMES[options.pop("tau_unit")]
+    return simulation(body=body, cells=cells, **options), unit
+
+
 def linearised(side=3, body="free", **changes):
-    cells = (side - 1,) * 3
-    return Linearisation(simulation(body=body, cells=cells, **(PLAIN | changes)))
+    return Linearisation(*built(body, (side - 1,) * 3, **changes))
+
+
+#: With ``tau_p`` the rates are of the second degree in the step.
+SELF_ADJOINT = {"weighting": "self-adjoint"}
 
 
 def material(nu=0.3):
@@ -87,7 +106,7 @@ def agrees(linear, found, y, cfl, tolerance=2e-7):
     expected, seen = predicted(linear, found), one_step(linear, y, cfl)
     # With SSP-RK3 the positions are not w; where they are not felt they are left out of the map.
     holds_x = linear.layout.own_x or linear.layout.strains_follow_x or (
-        isinstance(linear.simulation.integrator, sph.TVDRK2)
+        not isinstance(linear.simulation.integrator, sph.SSPRK3)
     )  # fmt: skip
     first = 0 if holds_x else linear.moves
     return np.max(np.abs(expected - seen)[first:]) < tolerance * np.max(np.abs(expected))
@@ -126,11 +145,12 @@ def test_a_force_that_is_not_the_adjoint_makes_energy():
     assert np.max(values.real) > 0.01
 
 
-@pytest.mark.parametrize("integrator", ["TVD-RK2", "SSP-RK3"])
+@pytest.mark.parametrize("integrator", ["TVD-RK2", "SSP-RK3", "position Verlet"])
 @pytest.mark.parametrize(
     ("body", "changes"),
     [
         ("free", {}),
+        ("free", SELF_ADJOINT | {"formulation": "{p,F,J}", "tau_p": 0.2, "nu": 0.45}),
         ("rollers", {"formulation": "displacement"}),
         ("free", {"formulation": "{p,F,H,J}", "tau_p": 0.2, "secondary": "H6", "nu": 0.45}),
         ("clamped", {"formulation": "{p,J}", "tau_p": 0.1, "operator": "Consistent(force)"}),
@@ -145,7 +165,7 @@ def test_the_map_is_the_derivative_of_the_stepper(body, changes, integrator):
     assert linear.step_matrix(0.4) @ y == pytest.approx(found, abs=1e-9 * np.max(np.abs(found)))
 
 
-@pytest.mark.parametrize("integrator", [sph.TVDRK2(), sph.SSPRK3()])
+@pytest.mark.parametrize("integrator", [sph.TVDRK2(), sph.SSPRK3(), sph.PositionVerlet()])
 def test_the_map_about_a_stretched_state_is_the_derivative_of_the_stepper(integrator):
     m = material(0.45)
     across = contraction(m, 1.5)
@@ -189,13 +209,38 @@ def test_only_the_pressure_term_tells_the_formulations_apart():
     assert np.max(np.abs(with_J[-len(plain) :] - plain)) > 1e-3
 
 
-def test_arnoldi_finds_what_the_dense_solver_finds():
-    linear = linearised(4, "clamped")
-    dense, _ = linear.modes(0.3)
-    found, modes = linear.largest(0.3, count=4, steps=3)
-    assert np.abs(found) == pytest.approx(np.abs(dense[:4]), abs=1e-9)
-    image = linear.step(modes[:, 0].real, 0.3) + 1j * linear.step(modes[:, 0].imag, 0.3)
-    assert image == pytest.approx(found[0] * modes[:, 0], abs=1e-7)
+def test_times_of_the_mesh_are_those_of_the_step_at_every_step():
+    own = SELF_ADJOINT | {"formulation": "{p,F,J}", "tau_p": 0.1, "nu": 0.495, "xi_F": 0.05}
+    mesh = linearised(3, tau_unit="h/c_p", tau_F=0.5, integrator="position Verlet", **own)
+    for cfl in (0.3, 0.8):
+        step = linearised(3, tau_F=0.5 / cfl, integrator="position Verlet", **own)
+        largest = np.max(np.abs(step.step_matrix(cfl)))
+        apart = mesh.step_matrix(cfl) - step.step_matrix(cfl)
+        assert np.max(np.abs(apart)) < 1e-10 * largest
+
+
+@pytest.mark.parametrize("tau_F", [0.5, 4.0])
+def test_only_the_self_adjoint_damping_takes_energy_whatever_its_time(tau_F):
+    """In the norm of the energy: velocities of the damping alone, ``v . D`` has no other sign."""
+    for weighting, definite in (("self-adjoint", True), ("printed", False)):
+        linear = linearised(4, weighting=weighting, tau_F=tau_F, xi_F=0.0, nu=0.495)
+        m = linear.moves
+        damping = linear.generator(1.0)[m : 2 * m, m : 2 * m]
+        V = np.repeat(linear.simulation.cloud.V, 3)[linear.free]
+        power = V[:, None] * damping
+        largest = np.max(np.linalg.eigvalsh(0.5 * (power + power.T)))
+        assert (largest < 1e-10 * np.max(np.abs(power))) == definite
+        asymmetry = np.max(np.abs(power - power.T)) / np.max(np.abs(power))
+        assert (asymmetry < 1e-9) == definite
+
+
+def test_limits_of_the_defaults_are_those_of_the_chosen_times():
+    options = chosen(nu=0.499)
+    assert options["tau_F"] == pytest.approx(5.0 * (0.002 / 1.002) ** 0.5), "five c_s / c_p"
+    assert chosen(nu=0.3)["tau_F"] == 0.5
+    assert chosen(nu=0.45)["tau_p"] == chosen(formulation="{p,F}")["tau_p"] == 0.0
+    assert options["tau_p"] == 0.1
+    assert chosen(nu=0.3, tau_p=0.2, tau_F=1.0) == chosen(nu=0.3) | {"tau_p": 0.2, "tau_F": 1.0}
 
 
 @pytest.mark.parametrize(
@@ -203,11 +248,12 @@ def test_arnoldi_finds_what_the_dense_solver_finds():
     [
         (13, {"secondary": "H6", "stretch": 1.3, "xi_F": 0.1}),
         (17, {"formulation": "{p,F,J}", "tau_p": 0.1, "operator": "Literal"}),
+        (13, SELF_ADJOINT | {"formulation": "{p,F,J}", "tau_p": 0.1, "nu": 0.45, "stretch": 1.2}),
     ],
 )
 def test_plane_waves_see_the_interior_of_a_block(side, changes):
     linear = linearised(side, **changes)
-    symbol = Symbol(linear.simulation)
+    symbol = Symbol(linear.simulation, linear.times)
     k, cfl, a = np.array([[0.7, -1.9, 2.4]]), 0.3, symbol.inner
     state, geometry = symbol.generators(k, cfl)
     rng = np.random.default_rng(3)
@@ -225,7 +271,7 @@ def test_plane_waves_see_the_interior_of_a_block(side, changes):
 
 
 def test_long_plane_waves_travel_at_the_speeds_of_the_solid():
-    symbol = Symbol(simulation(body="interior", cells=(8, 8, 8), **PLAIN))
+    symbol = Symbol(*built("interior", (8, 8, 8)))
     k = np.array([[0.02, 0.0, 0.0]])
     speed = np.sort(np.abs(np.angle(symbol.eigenvalues(k, 0.1)[0]))) / 0.1 / 0.02
     m = material()
@@ -262,7 +308,7 @@ def test_a_run_grows_as_the_spectrum_says():
     ],
 )
 def test_planted_patterns_are_recognised(axes, name, jitter):
-    sim = simulation(body="free", cells=(6, 5, 4), **(PLAIN | {"h_over_dx": 0.9, "jitter": jitter}))
+    sim, _ = built("free", (6, 5, 4), h_over_dx=0.9, jitter=jitter)
     place = lattice_places(sim)
     sign = 1.0 - 2.0 * ((place @ np.array(axes)) % 2)
     envelope = 1.0 + 0.1 * place[:, 0] - 0.15 * place[:, 2]
@@ -274,7 +320,7 @@ def test_planted_patterns_are_recognised(axes, name, jitter):
 
 
 def test_corners_surfaces_and_unseen_modes_are_recognised():
-    sim = simulation(body="free", cells=(6, 6, 6), **PLAIN)
+    sim, _ = built("free", (6, 6, 6))
     place, nothing = lattice_places(sim), np.zeros(sim.cloud.size)
     outer = np.count_nonzero((place == 0) | (place == 6), axis=1)
     random = np.random.default_rng(0).standard_normal((sim.cloud.size, 3))
@@ -312,10 +358,9 @@ def test_limits_are_found():
 
 def test_what_cannot_be_linearised_is_refused():
     with pytest.raises(InputError, match="no interior with one stencil"):
-        Symbol(simulation(body="interior", cells=(5, 5, 5), **PLAIN))
-    options = PLAIN | {"jitter": 0.2, "h_over_dx": 0.9}
+        Symbol(*built("interior", (5, 5, 5)))
     with pytest.raises(InputError, match="need a lattice at rest"):
-        Symbol(simulation(body="interior", cells=(5, 5, 5), **options))
+        Symbol(*built("interior", (5, 5, 5), jitter=0.2, h_over_dx=0.9))
     scene = Scene(
         name="moving", body=Box(), material=material(), end_time=1.0,
         initial_velocity=lambda X: np.ones_like(X),
@@ -326,26 +371,36 @@ def test_what_cannot_be_linearised_is_refused():
 
 def test_cases_make_tables_figures_and_sections(tmp_path):
     changes = DEFAULT | {"h_over_dx": 0.9}
-    chosen = [
-        _case("base", "base", "SSP-RK3", "free", 3, changes),
-        _case("base", "base", "SSP-RK3", "interior", 3, changes),
+    cases = [
+        _case("base", "base", VERLET, "free", 3, changes),
+        _case("base", "base", VERLET, "interior", 3, changes),
         _case("map", "0.9", "{p,F,J} H1, nu 0.495", "free", 3, changes),
-        _case("limits", "{p,F}", "SSP-RK3", "free", 3, changes | {"tau_p": 0.0}),
+        _case("limits", "{p,F}", VERLET, "free", 3, chosen(formulation="{p,F}", nu=0.3)),
     ]
-    outcomes = [execute(case) for case in chosen]
+    outcomes = [execute(case) for case in cases]
     assert [outcome.message for outcome in outcomes] == [""] * 4
-    tables = spectrum_tables([row for outcome in outcomes for row in outcome.rows])
-    assert len(tables["spectrum"]) == 4
-    assert len(tables["limits"]) == 1
-    assert len(tables["spectrum_growth"]) == 48
+    rows = [row for outcome in outcomes for row in outcome.rows]
+    one = large(
+        scan_of="larger", variant="-", base=VERLET, body="free", cells=[2, 2, 2], **changes
+    )
+    at_usual = next(
+        row["max_g"] for row in rows
+        if row["kind"] == "limit" and (row["scan"], row["body"]) == ("base", "free")
+    )  # fmt: skip
+    assert one[-1]["max_g"] == pytest.approx(at_usual, abs=1e-9), "the same block"
+    tables = spectrum_tables([*rows, *one])
+    assert len(tables["spectrum"]) == 5
+    assert tables["limits"]["formulation"].tolist() == ["{p,F}", "{p,F,J}"], "one without tau_p"
+    assert tables["limits"]["cfl_slow"].nunique() == 1
+    assert len(tables["spectrum_growth"]) == 3 * 10 + 12 + 1
     limit = tables["spectrum"].set_index("body").loc["interior"]
-    assert 0.6 < limit["cfl_strict"] <= limit["cfl_slow"] <= limit["cfl_fast"] < 1.2
+    assert 0.6 < limit["cfl_strict"] <= limit["cfl_slow"] <= limit["cfl_fast"] <= 1.2
     with style():
         sections = spectrum_sections(tables, tmp_path)
     assert {path.name for path in tmp_path.glob("*.png")} == {
-        "spectrum_map.png", "spectrum_limits.png",
+        "spectrum_map.png", "spectrum_limits.png", "default_limits.png",
     }  # fmt: skip
-    assert len(sections) == 5
+    assert len(sections) == 6
 
 
 def test_the_whole_list_covers_every_scan():
@@ -355,3 +410,15 @@ def test_the_whole_list_covers_every_scan():
     asked = {case.arguments["variant"] for case in listed}
     assert {name for variants in SCANS.values() for name in variants} <= asked
     assert len(spectrum_cases(quick=True)) < 20
+
+
+def test_every_limit_that_the_package_looks_up_is_asked_for():
+    asked = {
+        (case.arguments["integrator"], case.arguments["nu"], case.arguments["formulation"])
+        for case in spectrum_cases(quick=False) if case.arguments["scan_of"] == "limits"
+    }  # fmt: skip
+    for each in (sph.PositionVerlet(), sph.SSPRK3(), sph.TVDRK2()):
+        for nu in RATIOS:
+            assert (each.name, nu, "{p,F}") in asked
+            damps_J = chosen(nu=nu)["tau_p"] > 0.0
+            assert ((each.name, nu, "{p,F,J}") in asked) == damps_J

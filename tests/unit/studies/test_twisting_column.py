@@ -14,6 +14,7 @@ import pytest
 
 import fem_reference as fem
 import sphsolid as sph
+from sphsolid.defaults import default_stabilisation
 from sphsolid.scenes import twisting_column as column_scene
 from studies.harness.results import Results, read_results
 from studies.report.document_pdf import write_pdf
@@ -30,6 +31,8 @@ from studies.twisting_column.methods import (
     LITERAL_H6,
     METHODS,
     NO_TAU_P,
+    SELF_ADJOINT,
+    THREE_STAGES,
     TOOLKIT,
     finest,
     lattice,
@@ -251,6 +254,30 @@ def test_the_default_row_gives_nothing_but_the_formulation(monkeypatch):
     cases.simulation(**METHODS[H1], **where, cfl=usual_cfl(H1))
     assert given["integrator"] == sph.TVDRK2()
     assert given["cfl"] == 0.3
+    assert given["stabilisation"].weighting == sph.AsPrinted()
+
+
+@pytest.mark.parametrize("nu", [0.495, 0.499])
+@pytest.mark.parametrize("share", [1.0, 0.5])
+def test_the_default_keeps_its_tau_F_in_seconds(nu, share):
+    cfl = share * usual_cfl(TOOLKIT)
+    case = study._case(TOOLKIT, 3, "", cfl=cfl, nu=nu, kept=share != 1.0)
+    chosen = default_stabilisation(sph.PFJ(), column_scene(poisson_ratio=nu).material, cfl)
+    assert case.arguments["tau_F"] == pytest.approx(chosen.tau_F)
+    assert case.arguments["weighting"] == SELF_ADJOINT
+    assert case.arguments["tau_p"] == pytest.approx(0.1 / share)
+
+
+def test_two_integrators_have_the_same_tau_F_in_seconds():
+    verlet, three = METHODS[TOOLKIT], METHODS[THREE_STAGES]
+    assert three["integrator"] == "SSP-RK3"
+    assert verlet["tau_F"] * usual_cfl(TOOLKIT) == pytest.approx(
+        three["tau_F"] * usual_cfl(THREE_STAGES)
+    )
+    same = {"tau_F", "integrator"}
+    assert {k: v for k, v in verlet.items() if k not in same} == {
+        k: v for k, v in three.items() if k not in same
+    }
 
 
 def test_the_full_study_has_every_method_on_every_lattice_of_the_paper(tmp_path):
@@ -269,9 +296,9 @@ def test_the_full_study_has_every_method_on_every_lattice_of_the_paper(tmp_path)
 
 @pytest.fixture(scope="module")
 def tiny(tmp_path_factory) -> Results:
-    """The study on 3x13x3 particles, elements on 4x19x4 too, in this process."""
+    """Three methods on 3x13x3 particles, elements on 4x19x4 too, in this process."""
     out: Path = tmp_path_factory.mktemp("column")
-    listed = [study._case(label, 2, (out / "shots").as_posix()) for label in study._SHORT_FORM]
+    listed = [study._case(label, 2, (out / "shots").as_posix()) for label in (H1, TOOLKIT, FEM)]
     listed.append(study._case(FEM, 3, (out / "shots").as_posix()))
     rows = [row for case in listed for row in cases.run_case(**case.arguments)]
     rows += cases.cost_case(cells=2, steps=3, rounds=2)
@@ -282,7 +309,10 @@ def tiny(tmp_path_factory) -> Results:
 
 def test_a_run_is_one_row_with_its_account_closed(tiny):
     table = tiny.tables["table"].set_index(["label", "cells"])
-    assert len(table) == 8
+    assert len(table) == 4
+    # One evaluation a step, and a longer one: the default is not slower than the paper's.
+    assert table.loc[(TOOLKIT, 2), "steps"] < 0.5 * table.loc[(H1, 2), "steps"]
+    assert table.loc[(TOOLKIT, 2), "rest_largest"] < 1e-3
     own = table.loc[(H1, 2)]
     assert own["survived"]
     assert own["end_time"] == 0.1

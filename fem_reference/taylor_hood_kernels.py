@@ -1,0 +1,166 @@
+"""Compiled element loops of the Q2-Q1 hexahedron; formulas in ``taylor_hood_hex``.
+
+``nodes (B, 27, LANES)`` and ``corners (B, 8, LANES)`` of blocks of elements, ``maps`` their
+reference maps.  Corner fields are numbered ``i + 2 j + 4 k``.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from fem_reference.hex_maps import are_distorted, pulled, pushed, volume
+from fem_reference.lanes import LANES, choose, fill, gather_nodes, pick, put
+from fem_reference.triquadratic import (
+    ROWS,
+    SCRATCH,
+    corner_moments,
+    derivatives,
+    interpolate_corners,
+    node_sums,
+)
+from sphsolid.compiled import inlined, kernel, prange
+from sphsolid.continuum import law
+from sphsolid.continuum.tensor import axpy, cofactor, contract, determinant
+from sphsolid.continuum.wave_speed import smallest_stretch
+
+# Rows of the scratch array.  Derivatives come first and the rest stands clear of them, so that
+# the tests for overlap, which LLVM puts before a loop whose rows are not known, always pass.
+_POINTS = 0
+_NODES = _POINTS + 3 * ROWS
+_OWN = _NODES + 81
+_THETA = _OWN + SCRATCH
+_CORNERS = _THETA + 27
+_LEAST = _CORNERS + 8
+_THICKNESS = _LEAST + 1
+_LARGEST = _LEAST + 2
+_THINNEST = _LEAST + 3
+_REFERENCE = _THINNEST + 9
+_BRICK_SCRATCH = _REFERENCE
+_SCRATCH = _REFERENCE + 3 * ROWS
+
+
+@inlined
+def _at(w, first, g, lane):  # type: ignore[no-untyped-def]
+    """``dx/dxi`` at point ``g``."""
+    r = first + g
+    return (
+        w[r, lane], w[r + 27, lane], w[r + 54, lane],
+        w[r + 81, lane], w[r + 108, lane], w[r + 135, lane],
+        w[r + 162, lane], w[r + 189, lane], w[r + 216, lane],
+    )  # fmt: skip
+
+
+@inlined
+def _replace(A, w, first, g, lane):  # type: ignore[no-untyped-def]
+    """Write ``A`` where :func:`_at` reads."""
+    r = first + g
+    w[r, lane] = A[0]
+    w[r + 27, lane] = A[1]
+    w[r + 54, lane] = A[2]
+    w[r + 81, lane] = A[3]
+    w[r + 108, lane] = A[4]
+    w[r + 135, lane] = A[5]
+    w[r + 162, lane] = A[6]
+    w[r + 189, lane] = A[7]
+    w[r + 216, lane] = A[8]
+
+
+@inlined
+def _strains(x, nodes, maps, b, w):  # type: ignore[no-untyped-def]
+    """Fill the derivatives of a block at the Gauss points."""
+    if are_distorted(maps):
+        gather_nodes(maps.X, nodes[b], w[_NODES:])
+        derivatives(maps.along, w, _NODES, _REFERENCE, _OWN)
+    gather_nodes(x, nodes[b], w[_NODES:])
+    derivatives(maps.along, w, _NODES, _POINTS, _OWN)
+
+
+@inlined
+def _dilatation(theta, corners, b, w):  # type: ignore[no-untyped-def]
+    """``theta - 1`` at the Gauss points of a block, and its largest value at a corner."""
+    fill(w, _LARGEST, 1, 0.0)
+    for c in range(8):
+        for lane in range(LANES):
+            value = theta[corners[b, c, lane]]
+            w[_CORNERS + c, lane] = value
+            w[_LARGEST, lane] = max(w[_LARGEST, lane], value)
+    interpolate_corners(w, _CORNERS, _THETA, _OWN)
+
+
+@kernel
+def dilatation_moments(x, nodes, maps, excess):  # type: ignore[no-untyped-def]
+    """``integral N_a (J - 1) dV (B, 8, LANES)`` [m^3] of the corners' linear shapes ``N_a``."""
+    for b in prange(nodes.shape[0]):
+        w = np.empty((_SCRATCH if are_distorted(maps) else _BRICK_SCRATCH, LANES))
+        _strains(x, nodes, maps, b, w)
+        for g in range(27):
+            share = maps.weights[g]
+            for lane in range(LANES):
+                A = _at(w, _REFERENCE, g, lane)
+                J = determinant(pushed(maps, _at(w, _POINTS, g, lane), A))
+                w[_THETA + g, lane] = volume(maps, share, A) * (J - 1.0)
+        corner_moments(w, _THETA, _CORNERS, _OWN)
+        for c in range(8):
+            for lane in range(LANES):
+                excess[b, c, lane] = w[_CORNERS + c, lane]
+
+
+@kernel
+def element_forces(  # type: ignore[no-untyped-def]
+    material, x, theta, nodes, corners, maps, smallest_J, shrinkage, force
+):
+    """Node forces ``force (B, 81, LANES)`` [N], row ``3 n + i``; ``theta - 1 (Nc,)``.
+
+    ``smallest_J (B, LANES)``; ``shrinkage (B, LANES)`` is ``lambda / max(1, theta)``, ``lambda``
+    the smallest principal stretch.
+    """
+    for b in prange(nodes.shape[0]):
+        w = np.empty((_SCRATCH if are_distorted(maps) else _BRICK_SCRATCH, LANES))
+        _strains(x, nodes, maps, b, w)
+        _dilatation(theta, corners, b, w)
+        fill(w, _LEAST, 2, np.inf)
+        for g in range(27):
+            share = maps.weights[g]
+            for lane in range(LANES):
+                A = _at(w, _REFERENCE, g, lane)
+                F = pushed(maps, _at(w, _POINTS, g, lane), A)
+                H = cofactor(F)
+                J = determinant(F)
+                excess = material.kappa * (w[_THETA + g, lane] - (J - 1.0))
+                P = axpy(excess, H, law.first_piola(material, F, H, J))
+                _replace(pulled(maps, share, P, A), w, _POINTS, g, lane)
+                # nan must stay: a plain minimum would forget it.
+                least = w[_LEAST, lane]
+                w[_LEAST, lane] = J if (least > J or J != J) else least
+                # Only the point that looks thinnest gets the closed form, as in ``b_bar_kernels``.
+                thickness = J * J / contract(H, H)
+                before = w[_THICKNESS, lane]
+                thinner = thickness < before
+                w[_THICKNESS, lane] = thickness if thinner else before
+                put(choose(thinner, F, pick(w, _THINNEST, lane)), w, _THINNEST, lane)
+        node_sums(maps.along, w, _POINTS, _NODES, _OWN)
+        for row in range(81):
+            for lane in range(LANES):
+                force[b, row, lane] = w[_NODES + row, lane]
+        for lane in range(LANES):
+            smallest_J[b, lane] = w[_LEAST, lane]
+            stretch = smallest_stretch(pick(w, _THINNEST, lane))
+            shrinkage[b, lane] = stretch / (1.0 + w[_LARGEST, lane])
+
+
+@kernel
+def isochoric_energies(material, x, nodes, maps, energies):  # type: ignore[no-untyped-def]
+    """``sum_g w_g [W - U(J)] (B, LANES)`` [J]."""
+    for b in prange(nodes.shape[0]):
+        w = np.empty((_SCRATCH if are_distorted(maps) else _BRICK_SCRATCH, LANES))
+        _strains(x, nodes, maps, b, w)
+        for lane in range(LANES):
+            total = 0.0
+            for g in range(27):
+                A = _at(w, _REFERENCE, g, lane)
+                F = pushed(maps, _at(w, _POINTS, g, lane), A)
+                J = determinant(F)
+                W = law.stored_energy(material, F, cofactor(F), J)
+                swap = 0.5 * material.kappa * (J - 1.0) * (J - 1.0)
+                total += volume(maps, maps.weights[g], A) * (W - swap)
+            energies[b, lane] = total
