@@ -122,7 +122,7 @@ def counted_work(sim: Any) -> Work:
     if isinstance(sim, fem.Simulation):
         return _of_elements(sim)
     cloud, fields = sim.cloud, sim.formulation
-    pairs = cloud.size * cloud.pairs.mean_neighbours
+    pairs = cloud.size * cloud.kinematic.mean_neighbours
     # grad v, div P; F_x for the projection, and F itself where it is not evolved.
     work = Work.of(pairs, 3, 9) + Work.of(pairs, 9, 9)
     projects = isinstance(sim.angular_momentum, sph.LocalProjection)
@@ -138,9 +138,13 @@ def _of_stabilisation(sim: sph.Simulation) -> Work:
     supg, secondary = sim.stabilisation, sim.secondary
     assert isinstance(supg, sph.SUPG)
     assert secondary is not None
-    pairs = len(secondary.X) * secondary.pairs.mean_neighbours
+    pairs = len(secondary.X) * secondary.sampling.mean_neighbours
     # Velocity, the tensor that is interpolated, and the positions; then D(p).
     work = Work.of(pairs, 3 + 9 + 3, 27) + Work.of(pairs, 9, 9)
+    if supg.is_self_adjoint:
+        # The fine stress back to the particles, and F_x there to project it.
+        primary = sim.cloud.size * sim.cloud.kinematic.mean_neighbours
+        work += Work.of(pairs, 9, 9) + Work.of(primary, 3, 9)
     if supg.tau_p > 0.0:
         work += Work.of(pairs, 9 + 3, 12) + Work.of(pairs, 3, 3)
     return work
