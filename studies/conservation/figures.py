@@ -56,6 +56,11 @@ def elements_key(spacing: float = PAPER["spacing"]) -> str:
     return block_case(_NOWHERE, "elements", ELEMENTS | {"spacing": spacing}).key
 
 
+def package_key(spacing: float = PAPER["spacing"]) -> str:
+    """Key of the run with the defaults."""
+    return block_case(_NOWHERE, "defaults", PACKAGE | {"spacing": spacing}).key
+
+
 def momenta_figure(history: pd.DataFrame, stem: Path) -> Path:
     """Components of both momenta over time, the phase of the tractions shaded (as Fig. 7)."""
     figure, axes = panels(1, 2, width=3.6, height=2.9)
@@ -104,6 +109,7 @@ def drift_figure(history: pd.DataFrame, stem: Path) -> Path:
                 (block_key(operator, projection), f"{_NAMES[operator]}, {what}",
                  {"color": _COLOURS[operator], "linestyle": style})
             )  # fmt: skip
+    curves.append((package_key(), "package defaults", {"color": GREEN}))
     curves.append((elements_key(), "B-bar FEM", {"color": BLACK, "linestyle": ":"}))
     for key, label, look in curves:
         run = history[(history["key"] == key) & (history["time"] > 0.0)]
@@ -129,14 +135,15 @@ _TERMS = (
 
 def ledger_figure(history: pd.DataFrame, stem: Path) -> Path:
     """Every term of the energy ledger of the block, linear and logarithmic."""
-    figure, axes = panels(2, 2, width=3.6, height=2.4)
-    for j, operator in enumerate(OPERATORS):
-        run = history[history["key"] == block_key(operator)]
+    figure, axes = panels(2, 3, width=2.7, height=2.4)
+    shown = [(f"operator {_NAMES[operator]}", block_key(operator)) for operator in OPERATORS]
+    for j, (title, key) in enumerate([*shown, ("package defaults", package_key())]):
+        run = history[history["key"] == key]
         for name, label, colour, style in _TERMS:
             for i in (0, 1):
                 values = run[name] / 1e3 if i == 0 else np.maximum(np.abs(run[name]), 1e-4)
                 axes[i, j].plot(run["time"], values, style, color=colour, label=label)
-        axes[0, j].set(title=f"operator {_NAMES[operator]}", ylabel="energy [kJ]")
+        axes[0, j].set(title=title, ylabel="energy [kJ]")
         axes[1, j].set(yscale="log", ylabel="|energy| [J]", ylim=(1e-4, 2e5))
         for i in (0, 1):
             _shade(axes[i, j])
@@ -151,8 +158,7 @@ def sequence_figure(out: Path, stem: Path, spacing: float) -> Path:
         (block_key(operator, spacing=spacing), f"SUPG-SPH, {_NAMES[operator]}")
         for operator in OPERATORS
     ]
-    package = block_case(_NOWHERE, "defaults", PACKAGE | {"spacing": spacing}).key
-    rows += [(package, "SUPG-SPH, defaults"), (elements_key(spacing), "B-bar FEM")]
+    rows += [(package_key(spacing), "SUPG-SPH, defaults"), (elements_key(spacing), "B-bar FEM")]
     grid = [[_frame(folder, key, label, t) for t in SHOT_TIMES] for key, label in rows]
     figure = panel_figure(
         grid,
@@ -185,12 +191,15 @@ def cube_figure(cube: pd.DataFrame, history: pd.DataFrame, stem: Path) -> Path:
 def _rests(ax: Axes, cube: pd.DataFrame) -> None:
     kept = cube[(cube["outcome"] == "kept") & (cube["left_over"] > 0.0)]
     looks = (
-        ("defaults", "package defaults, left over", ORANGE, ("v", "<", ">")),
-        ("ladder", "SUPG-SPH, left over", BLUE, ("o", "s", "^")),
-        ("elements", "B-bar, left over", BLACK, ("D", "P", "X")),
+        ("defaults", "-", "package defaults", ORANGE, ("v", "<", ">")),
+        ("ladder", "TVD-RK2", "two stages", BLUE, ("o", "s", "^")),
+        ("methods", "SSP-RK3", "SSP-RK3", GREEN, ("*",)),
+        ("methods", "position Verlet", "position Verlet", VERMILION, ("p",)),
+        ("elements", "-", "B-bar", BLACK, ("D", "P", "X")),
     )
-    for group, label, colour, markers in looks:
+    for group, integrator, label, colour, markers in looks:
         runs = kept[(kept["group"] == group) & kept["formulation"].isin(["{p,F}", "-"])]
+        runs = runs[(runs["integrator"] == integrator) | (integrator == "-")]
         for spacing, marker in zip(
             sorted(runs["spacing"].unique(), reverse=True), markers, strict=False
         ):

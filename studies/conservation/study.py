@@ -21,8 +21,8 @@ from studies.harness.front import Study
 from studies.harness.results import Tables
 
 _SETTING = [
-    "group", "method", "formulation", "secondary", "operator", "projection", "integrator",
-    "spacing", "particles", "h_over_dx", "cfl", "tau_F", "xi_F", "tau_p",
+    "group", "method", "formulation", "secondary", "operator", "weighting", "projection",
+    "integrator", "spacing", "particles", "h_over_dx", "cfl", "tau_F", "xi_F", "tau_p",
 ]  # fmt: skip
 _OUTCOME = ["steps", "survived", "outcome", "lost_at", "why", "wall_s"]
 COLUMNS = {

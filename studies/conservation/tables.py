@@ -22,7 +22,7 @@ FORMATS = _SCIENTIFIC | {
 def named(runs: pd.DataFrame, *names: str) -> pd.DataFrame:
     """``runs`` with a column ``run``: the words of ``names`` that say something."""
     words = [
-        " ".join(word for word in row if word not in ("-", "TVD-RK2", "SUPG-SPH"))
+        " ".join(word for word in row if word not in ("-", "TVD-RK2", "as printed", "SUPG-SPH"))
         for row in runs[list(names)].itertuples(index=False)
     ]
     return runs.assign(run=words)

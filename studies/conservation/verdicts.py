@@ -29,8 +29,8 @@ CLOSED, SECOND_ORDER = 1.0e-6, 2.0
 #: |L - undeformed-arm estimate| over the latter, at a thousandth of the load.
 RIGID_LIMIT = 1.0e-3
 SETTING = [
-    "group", "method", "formulation", "secondary", "operator", "integrator", "spacing", "h_over_dx",
-    "spin",
+    "group", "method", "formulation", "secondary", "operator", "weighting", "integrator", "spacing",
+    "h_over_dx", "spin",
 ]  # fmt: skip
 
 
@@ -215,8 +215,8 @@ def _estimate_gap(run: pd.Series) -> float:
 
 
 def _name(run: pd.Series) -> str:
-    names = ("formulation", "secondary", "operator")
-    words = [str(run[name]) for name in names if run[name] != "-"]
+    names = ("formulation", "secondary", "operator", "weighting")
+    words = [str(run[name]) for name in names if run[name] not in ("-", "as printed")]
     if run["method"] != "SUPG-SPH":
         words = [str(run["method"]), *words]
     if run["integrator"] not in ("-", "TVD-RK2"):

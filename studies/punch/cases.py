@@ -129,7 +129,7 @@ def run_case(
         TopFace(), PressureState(), EnergyLedger(), MomentumDrift(), Reactions(),
         SaveShots(folder, key, label, times=tuple(shot_times) or (-1.0,)),
     ]  # fmt: skip
-    started = time.perf_counter()
+    started, busy = time.perf_counter(), time.process_time()
     mesh = sim.snapshot().mesh
     run: dict[str, Any] = {
         "kind": "run",
@@ -162,7 +162,10 @@ def run_case(
             "lost_where": f"({x:.3g}, {y:.3g}, {z:.3g}) m",
             "reason": lost.reason,
         }
-    run |= {"steps": sim.step, "wall_s": time.perf_counter() - started}
+    run |= {
+        "steps": sim.step, "wall_s": time.perf_counter() - started,
+        "cpu_s": time.process_time() - busy,
+    }  # fmt: skip
     instants = [row for table in tables for row in table.to_dict("records")]
     return [
         row | {"key": key}

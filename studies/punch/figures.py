@@ -62,7 +62,7 @@ def noise_figure(results: Results, stem: Path) -> Path:
     for column, press in enumerate(READINGS):
         _noise_over_tau_p(axes[0, column], table, press)
         ax = axes[1, column]
-        for method in (DISPLACEMENT, GALERKIN, H6_NO_TAU_P, H6, H1, FEM):
+        for method in (DISPLACEMENT, GALERKIN, H6_NO_TAU_P, H6, H1, TOOLKIT, FEM):
             _over_time(ax, table, history, press, method, "noise", 1.0)
         ax.set(title=f"{press}: over time", xlabel="time [ms]", ylabel="pressure noise [-]")
         ax.set_ylim(bottom=0.0)

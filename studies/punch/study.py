@@ -151,7 +151,7 @@ def summary(tables: Tables) -> str:
     """Printed at the end."""
     columns = [
         "press", "method", "operator", "lattice", "survived", "top_low", "top_high",
-        "profile_same", "noise_mean", "energy_kept", "steps", "wall_s",
+        "profile_same", "noise_mean", "energy_kept", "steps", "cpu_s",
     ]  # fmt: skip
     return tables["table"][columns].to_string(
         index=False, float_format=lambda value: f"{value:.4g}"

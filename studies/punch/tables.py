@@ -16,7 +16,7 @@ from studies.punch.methods import FEM
 SETTING = ["press", "method", "operator", "lattice"]
 RUN = [
     "key", *SETTING, "cells", "particles", "h_over_dx", "integrator", "until", "survived",
-    "lost_at", "lost_where", "reason", "steps", "wall_s",
+    "lost_at", "lost_where", "reason", "steps", "cpu_s", "wall_s",
 ]  # fmt: skip
 #: What the history says of a run, see :func:`measures`.
 MEASURED = [

@@ -1,4 +1,4 @@
-"""Heat maps of the hard cases: one a method (cases by step), and all at the usual step."""
+"""Heat maps of the hard cases: cases by method."""
 
 from __future__ import annotations
 
@@ -16,19 +16,16 @@ from studies.stability.hard_case_judgement import ABSENT, LOST, SOUND, USELESS, 
 
 COLOURS = {SOUND: "#9fd8c0", USELESS: "#f6cf7a", LOST: "#d9765c", ABSENT: "#ececec"}
 _ORDER = list(COLOURS)
-#: Methods in one figure of panels: more would be too small to read.
-PER_FIGURE = 4
 
 
 def _draw(
-    ax: Axes, table: pd.DataFrame, rows: Sequence[str], columns: Sequence[str], across: str,
-    size: float,
-) -> None:  # fmt: skip
-    """``rows`` are cases, ``columns`` values of ``across``; colour is the verdict."""
+    ax: Axes, table: pd.DataFrame, rows: Sequence[str], columns: Sequence[str], size: float
+) -> None:
+    """``rows`` are cases, ``columns`` methods; colour is the verdict."""
     code = np.full((len(rows), len(columns)), -1.0)
     for _, row in table.iterrows():
-        if row["case"] in rows and row[across] in columns:
-            i, j = list(rows).index(row["case"]), list(columns).index(row[across])
+        if row["case"] in rows and row["method"] in columns:
+            i, j = list(rows).index(row["case"]), list(columns).index(row["method"])
             code[i, j] = _ORDER.index(row["verdict"])
             ax.text(j, i, cell_text(row.to_dict()), ha="center", va="center", size=size)
     colours = ListedColormap(["#ffffff", *COLOURS.values()])
@@ -55,34 +52,14 @@ def _save(figure: object, stem: Path) -> Path:
 def overview(
     table: pd.DataFrame, out: Path, *, name: str, methods: Sequence[str], title: str
 ) -> Path:
-    """All cases against ``methods`` at the usual step."""
-    part = table[(table["step"] == "usual") & table["method"].isin(methods)]
+    """All cases against ``methods``."""
+    part = table[table["method"].isin(methods)]
     rows = list(dict.fromkeys(part["case"]))
     shown = [method for method in methods if method in set(part["method"])]
     figure, axes = panels(1, 1, width=7.4, height=1.6 + 0.21 * len(rows))
     ax = axes[0, 0]
-    _draw(ax, part, rows, shown, "method", 6.2)
+    _draw(ax, part, rows, shown, 6.2)
     ax.set_xticks(range(len(shown)), shown, rotation=40, ha="left", rotation_mode="anchor")
     ax.xaxis.tick_top()
     ax.set_xlabel(title)
     return _save(figure, out / name)
-
-
-def maps_of_methods(table: pd.DataFrame, out: Path, methods: Sequence[str]) -> list[Path]:
-    """One panel a method: cases by step, :data:`PER_FIGURE` panels a figure."""
-    shown = [method for method in methods if method in set(table["method"])]
-    paths = []
-    for number, start in enumerate(range(0, len(shown), PER_FIGURE)):
-        group = shown[start : start + PER_FIGURE]
-        rows = list(dict.fromkeys(table["case"]))
-        figure, axes = panels(1, len(group), width=7.4 / len(group), height=0.9 + 0.19 * len(rows))
-        for place, (ax, method) in enumerate(zip(axes.flat, group, strict=True)):
-            part = table[table["method"] == method]
-            steps = {f"CFL {cfl:.2g}": cfl for cfl in sorted(set(part["cfl"]))}
-            part = part.assign(label=[f"CFL {cfl:.2g}" for cfl in part["cfl"]])
-            _draw(ax, part, rows, list(steps), "label", 6.2)
-            ax.set_title(method.replace(", ", ",\n"), fontsize=7.5)
-            if place:
-                ax.set_yticklabels([])
-        paths.append(_save(figure, out / f"hard_cases_{number + 1}"))
-    return paths

@@ -57,7 +57,7 @@ def _row(history: History, lost: dict[str, Any], particles: int) -> dict[str, An
 
 
 def run(
-    *, case: str, method: Mapping[str, Any], step: str, kind: str, cells: int,
+    *, case: str, method: Mapping[str, Any], kind: str, cells: int,
     arguments: Mapping[str, Any],
 ) -> list[dict[str, Any]]:  # fmt: skip
     """One row; ``kind`` names a function of :data:`KINDS`, which gets ``arguments``."""
@@ -67,7 +67,7 @@ def run(
     wall = time.perf_counter() - started
     settings = {key: value for key, value in method.items() if key != "name"}
     return [
-        {"part": "hard", "case": case, "method": chosen.name, "step": step, "cells": cells}
+        {"part": "hard", "case": case, "method": chosen.name, "cells": cells}
         | settings | row | {"wall_s": wall}
     ]  # fmt: skip
 

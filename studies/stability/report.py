@@ -7,7 +7,7 @@ import pandas as pd
 from studies.harness.results import Results
 from studies.report.document import Block, Bullets, Document, Figure, Paragraph, Section, Table
 from studies.report.standard_sections import subtitle, what_failed, what_was_run
-from studies.stability.hard_case_figures import maps_of_methods, overview
+from studies.stability.hard_case_figures import overview
 from studies.stability.hard_case_judgement import CRITERIA, LOST, SOUND
 from studies.stability.hard_case_methods import BASE, METHODS, VARIANTS
 from studies.stability.spectrum_report import spectrum_sections
@@ -50,7 +50,7 @@ def report(results: Results) -> Document:
         abstract=(
             "Two views of the same question. Hard cases in time: twisting columns up to 300 rad/s "
             "and nu 0.4999, disordered columns, the punch, seeded modes and a block pulled to "
-            "twice its length, with every method at two steps. And the spectrum of one time step: "
+            "twice its length, with every method. And the spectrum of one time step: "
             "which modes grow, from which CFL number on, and what they look like."
         ),
         sections=sections,
@@ -69,7 +69,7 @@ def _hard_cases(results: Results, table: pd.DataFrame) -> list[Section]:
         Paragraph("A run that lasts is still useless when any of these holds:"),
         Bullets(CRITERIA),
         Figure(
-            f"Every case with every method at its usual step. {said}",
+            f"Every case with every method. {said}",
             overview(table, results.out, name="hard_cases", methods=methods, title=""),
         ),
     ]
@@ -80,18 +80,15 @@ def _hard_cases(results: Results, table: pd.DataFrame) -> list[Section]:
         blocks.append(
             Figure(f"{BASE.name} and what one change makes of it. {said}", drawn)
         )
-    maps = maps_of_methods(table, results.out, methods)
-    each = [Figure("Cases over the step, a panel a method.", path) for path in maps]
     return [
         Section("Hard cases", blocks),
-        Section("A heat map a method", each),
         Section("Who fails where", [_failures(table)]),
-        Section("All runs at the usual step", _case_tables(table)),
+        Section("All runs", _case_tables(table)),
     ]
 
 
 def _failures(table: pd.DataFrame) -> Table:
-    bad = table[(table["step"] == "usual") & ~table["verdict"].isin([SOUND, "not applicable"])]
+    bad = table[~table["verdict"].isin([SOUND, "not applicable"])]
     frame = bad[["case", "method", "verdict", "why"]].copy()
     frame["where"] = [
         f"X = ({x:.2g}, {y:.2g}, {z:.2g}) m" if verdict == LOST else ""
@@ -99,7 +96,7 @@ def _failures(table: pd.DataFrame) -> Table:
             index=False
         )
     ]
-    caption = "Runs at the usual step that were lost or are useless, and why."
+    caption = "Runs that were lost or are useless, and why."
     return Table(caption, frame)
 
 
@@ -108,11 +105,10 @@ def _case_tables(table: pd.DataFrame) -> list[Block]:
         Paragraph(
             "kept: energy at the end over what was put in; gain: the largest excess over it at any "
             "record; rest: made by the time integrator; noise: high-frequency share of the "
-            "pressure at the end; off by: the answer against B-bar elements of half the spacing."
+            "pressure at the end; off by: the answer against B-bar elements."
         )
     ]
-    usual = table[table["step"] == "usual"]
-    for case, part in usual.groupby("case", sort=False):
+    for case, part in table.groupby("case", sort=False):
         answers = part["answer_is"].dropna()
         caption = f"{case}; answer: {answers.iloc[0] if len(answers) else '-'}."
         found.append(Table(caption, part[_SHOWN], formats=_FORMATS, headings=_HEADINGS))

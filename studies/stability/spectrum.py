@@ -2,9 +2,9 @@
 
 One step of the integrator takes a small disturbance ``Y`` of a uniform state at rest to ``g Y``.
 The rates are those of ``RightHandSide.evaluate``, differentiated by central differences of fourth
-order.  They are affine in ``dt`` (the intrinsic times are multiples of it), so two Jacobians serve
-every step: ``A_0 + CFL A_1`` by a disturbance of the state, ``B_0 + CFL B_1`` by one of the
-geometry that ``F_x`` is taken from.  ``spectrum_step`` makes the map of them.
+order.  They are a polynomial in ``dt`` (``spectrum_times``), so few Jacobians serve every step:
+``A`` by a disturbance of the state, ``B`` by one of the geometry that ``F_x`` is taken from.
+``spectrum_step`` makes the map of them.
 
 Few unknowns are needed.  ``F`` changes by the gradient of the velocities that also move a
 displacement ``w``, so ``F - grad w`` (and ``H - cof grad w``; without ``tau_p`` also ``J`` less its
@@ -17,19 +17,18 @@ Loads are held: a stretched state is in equilibrium under whatever dead load tha
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from functools import cached_property
 from typing import Any
 
 import numpy as np
-import scipy.sparse.linalg
 from numpy.typing import NDArray
 
 from sphsolid import SSPRK3, SUPG, Simulation
 from sphsolid.continuum.tensor import cofactor, contract, cross, join, split
 from sphsolid.errors import require
 from sphsolid.scheme.right_hand_side import State
-from studies.stability.spectrum_step import Layout, Rate, step_map
+from studies.stability.spectrum_step import CoarseRate, Layout, Rate, step_map
+from studies.stability.spectrum_times import OfTheStep, Times, interpolated, nodes
 
 Array = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
@@ -52,17 +51,20 @@ class Linearisation:
     """Step map of a simulation about its initial state, which must be at rest.
 
     ``layout`` says which unknowns there are: the free components of ``w`` and ``v``, ``J`` where it
-    is not tied to ``w``, ``x`` where it is felt and is not ``w``.
+    is not tied to ``w``, ``x`` where it is felt and is not ``w``.  ``times`` says what the
+    intrinsic times do when the step is changed.
     Raises ``InputError`` where the initial state moves or a constraint is not along an axis.
     """
 
-    def __init__(self, simulation: Simulation) -> None:
+    def __init__(self, simulation: Simulation, times: Times = OfTheStep()) -> None:  # noqa: B008
         sim = simulation
         require(
             not np.any(sim.state.p),
             f"the spectrum of {sim.name} is that of a state at rest; start it without velocity",
         )
         self.simulation = sim
+        self.times = times
+        self._nodes = nodes(times, sim.stabilisation)
         self.rhs = sim._rhs
         self.length = sim.cloud.h_min
         self.unit_time = sim.stable_time_step() / sim._time_step.cfl
@@ -137,37 +139,54 @@ class Linearisation:
             state.J += contract(split(base.H) if f.evolves_H else cofactor(F), change)
         state.F += base.F
         x = base.x + (step * self.length) * z
+        rhs.stabilisation = self.times.at(self.simulation.stabilisation, cfl)
         rates = rhs.evaluate(state, x, cfl * self.unit_time, 0.0)
         pdot = rates.p.reshape(-1)[self.free] * (self.unit_time / (density * speed))
         parts = [step * v.reshape(-1)[self.free], pdot]
         return np.concatenate(parts + ([rates.J * self.unit_time] if self.has_J else []))
 
     @cached_property
-    def _jacobians(self) -> tuple[Array, Array, Array, Array]:
-        """``A_0, A_1 (n, n)`` and ``B_0, B_1 (n, m)``."""
-        n, m = self.size, self.moves
-        still, nothing = np.zeros(m), np.zeros(n)
-        A = [np.array([self.rate(e, still, c) for e in np.eye(n)]).T for c in (0.0, 1.0)]
-        B = [np.array([self.rate(nothing, e, c) for e in np.eye(m)]).T for c in (0.0, 1.0)]
-        return A[0], A[1] - A[0], B[0], B[1] - B[0]
+    def _jacobians(self) -> tuple[Array, Array]:
+        """``A (k, n, n)`` and ``B (k, n, m)`` at the nodes."""
+        nothing, unit = np.zeros(self.size), np.eye(self.moves)
+        A = np.array([self._by_state(cfl, range(self.size)) for cfl in self._nodes])
+        B = np.zeros((len(A), self.size, self.moves))
+        if self._geometry_is_felt():
+            for by, cfl in zip(B, self._nodes, strict=True):
+                by[:] = np.array([self.rate(nothing, e, cfl) for e in unit]).T
+        return A, B
+
+    @cached_property
+    def _coarse(self) -> Array:
+        """``A (n, n)`` without any intrinsic time; the columns of ``v`` alone."""
+        return self._by_state(0.0, range(self.moves, 2 * self.moves))
+
+    def _by_state(self, cfl: float, columns: range) -> Array:
+        still, unit = np.zeros(self.moves), np.eye(self.size)
+        A = np.zeros((self.size, self.size))
+        for column in columns:
+            A[:, column] = self.rate(unit[column], still, cfl)
+        return A
+
+    def _jacobians_at(self, cfl: float) -> tuple[Array, Array]:
+        A, B = self._jacobians
+        return interpolated(A, self._nodes, cfl), interpolated(B, self._nodes, cfl)
 
     def generator(self, cfl: float) -> Array:
         """The semi-discrete system ``(size, size)`` with ``x = w``, in units of ``T``."""
-        A_0, A_1, B_0, B_1 = self._jacobians
-        generator = A_0 + cfl * A_1
-        generator[:, : self.moves] += B_0 + cfl * B_1
+        generator, by_geometry = self._jacobians_at(cfl)
+        generator[:, : self.moves] += by_geometry
         return generator
 
     def step_matrix(self, cfl: float) -> Array:
         """The map of one step ``(rows, rows)``."""
-        A_0, A_1, B_0, B_1 = self._jacobians
-        A, B = A_0 + cfl * A_1, B_0 + cfl * B_1
+        A, B = self._jacobians_at(cfl)
 
         def rate(S: Array, x: Array) -> Array:
             return A @ S[: self.size] + B @ x
 
-        def coarse(S: Array, x: Array) -> Array:
-            return A_0 @ S[: self.size] + B_0 @ x
+        def coarse(S: Array) -> Array:
+            return self._coarse @ S[: self.size]
 
         return self._step(rate, coarse, np.eye(self.layout.rows), cfl)
 
@@ -177,12 +196,12 @@ class Linearisation:
         def rate(S: Array, x: Array) -> Array:
             return self.rate(S[: self.size, 0], x[:, 0], cfl)[:, None]
 
-        def coarse(S: Array, x: Array) -> Array:
-            return self.rate(S[: self.size, 0], x[:, 0], 0.0)[:, None]
+        def coarse(S: Array) -> Array:
+            return self.rate(S[: self.size, 0], np.zeros(self.moves), 0.0)[:, None]
 
         return self._step(rate, coarse, y[:, None], cfl)[:, 0]
 
-    def _step(self, rate: Rate, coarse: Rate, Y: Array, cfl: float) -> Array:
+    def _step(self, rate: Rate, coarse: CoarseRate, Y: Array, cfl: float) -> Array:
         return step_map(self.simulation.integrator, self.layout, rate, coarse, Y, cfl)
 
     @cached_property
@@ -239,39 +258,3 @@ class Linearisation:
         g, vectors = np.linalg.eig(self.elastic.T @ self.step_matrix(cfl) @ self.elastic)
         order = np.argsort(-np.abs(g), kind="stable")
         return g[order], self.elastic @ vectors[:, order]
-
-    def largest(
-        self, cfl: float, *, count: int = 6, steps: int = 1, tolerance: float = 1.0e-10
-    ) -> tuple[ComplexArray, ComplexArray]:
-        """The ``count`` largest ``g`` and their modes without any matrix, by Arnoldi iteration.
-
-        For bodies too large for :meth:`modes`.  ``steps`` of the map are one step of the iteration:
-        moduli near one separate better in a power.  Raises what scipy raises where it fails.
-        """
-        rigid = self._rigid_rows
-
-        def power(y: Array) -> Array:
-            y = np.asarray(y, dtype=float).reshape(-1)
-            y = y - rigid @ (rigid.T @ y)
-            for _ in range(steps):
-                y = self.step(y, cfl)
-                y = y - rigid @ (rigid.T @ y)
-            return y
-
-        _, vectors = _arnoldi(power, self.layout.rows, count, tolerance)
-        # The power hides the argument of g: take it from one step.
-        images = np.stack([self.step(y.real, cfl) + 1j * self.step(y.imag, cfl) for y in vectors.T])
-        g = np.einsum("ki,ki->k", vectors.T.conj(), images)
-        order = np.argsort(-np.abs(g), kind="stable")
-        return g[order], vectors[:, order]
-
-
-def _arnoldi(
-    apply: Callable[[Array], Array], size: int, count: int, tolerance: float
-) -> tuple[ComplexArray, ComplexArray]:
-    operator = scipy.sparse.linalg.LinearOperator((size, size), matvec=apply, dtype=float)
-    start = np.random.default_rng(0).standard_normal(size)
-    found, vectors = scipy.sparse.linalg.eigs(
-        operator, k=count, which="LM", v0=start, ncv=min(size - 1, 8 * count + 20), tol=tolerance
-    )
-    return found, vectors / np.linalg.norm(vectors, axis=0)

@@ -10,9 +10,22 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.colors import ListedColormap
 
-from studies.report.plotting import BLUE, VERMILION, outside_legend, panels, save_figure
+from sphsolid.defaults import default_cfl
+from studies.report.plotting import (
+    BLUE,
+    GREEN,
+    ORANGE,
+    VERMILION,
+    outside_legend,
+    panels,
+    save_figure,
+)
+from studies.stability.spectrum_cases import INTEGRATORS
 from studies.stability.spectrum_growth import LIMITS
 
+#: Of the bases, in their order, and how far apart they are drawn.
+COLOURS = (BLUE, GREEN, ORANGE, VERMILION)
+SHIFTS = (-0.24, -0.08, 0.08, 0.24)
 #: Added before the logarithm: growth below it is round-off.
 FLOOR = 1.0e-8
 BODY_TITLES = {
@@ -70,28 +83,48 @@ def _colours() -> ListedColormap:
 
 
 def limits_figure(limits: pd.DataFrame, out: Path) -> Path | None:
-    """``spectrum_limits``: CFL limits of every variant, a panel a body; ``None`` without rows."""
-    table = limits[~limits["scan"].isin(["map", "larger", "limits"])]
+    """``spectrum_limits``: CFL limits of every variant on a free block; ``None`` without rows."""
+    table = limits[~limits["scan"].isin(["map", "larger", "limits"]) & (limits["body"] == "free")]
     if len(table) == 0:
         return None
-    bodies = [body for body in BODY_TITLES if body in set(table["body"])]
     variants = list(dict.fromkeys(table["variant"]))
-    figure, axes = panels(1, len(bodies), width=2.3, height=max(2.4, 0.22 * len(variants)))
-    colours = dict(zip(dict.fromkeys(table["base"]), (BLUE, VERMILION), strict=False))
-    for ax, body in zip(axes[0], bodies, strict=True):
-        for (base, colour), shift in zip(colours.items(), (-0.15, 0.15), strict=False):
-            part = table[(table["body"] == body) & (table["base"] == base)]
-            y = np.array([variants.index(variant) for variant in part["variant"]]) + shift
-            ax.hlines(y, part["cfl_slow"], part["cfl_fast"], color=colour, linewidth=1.0)
-            ax.plot(part["cfl_slow"], y, "o", color=colour, markerfacecolor="white",
-                    markersize=4.0, label=f"{base}: tenfold in 1000 steps")  # fmt: skip
-            ax.plot(part["cfl_fast"], y, "s", color=colour, markersize=4.0,
-                    label=f"{base}: tenfold in 50 steps")  # fmt: skip
-        for cfl in dict.fromkeys(table["cfl"]):
-            ax.axvline(cfl, color="0.5", linewidth=0.8, linestyle=":")
-        ax.set_yticks(range(len(variants)), variants if body == bodies[0] else [])
-        ax.set(title=BODY_TITLES[body], xlabel="CFL limit [-]", xlim=(0.0, 1.24))
-        ax.set_xticks([0.0, 0.3, 0.5, 0.9, 1.2])
-        ax.set_ylim(len(variants) - 0.4, -0.6)
-    outside_legend(figure, axes.flat, columns=2)
+    bases = list(dict.fromkeys(table["base"]))
+    figure, axes = panels(1, 1, width=6.4, height=max(2.4, 0.3 * len(variants)))
+    ax = axes[0, 0]
+    for base, colour, shift in zip(bases, COLOURS, SHIFTS, strict=False):
+        part = table[table["base"] == base]
+        y = np.array([variants.index(variant) for variant in part["variant"]]) + shift
+        ax.hlines(y, part["cfl_slow"], part["cfl_fast"], color=colour, linewidth=1.0)
+        ax.plot(part["cfl_slow"], y, "o", color=colour, markerfacecolor="white", markersize=4.0,
+                label=f"{base}: tenfold in 1000 steps")  # fmt: skip
+        ax.plot(part["cfl_fast"], y, "s", color=colour, markersize=3.0,
+                label=f"{base}: tenfold in 50 steps")  # fmt: skip
+    ax.set_yticks(range(len(variants)), variants)
+    ax.set(title=BODY_TITLES["free"], xlabel="CFL limit [-]", xlim=(-0.03, 1.05))
+    ax.set_ylim(len(variants) - 0.4, -0.6)
+    outside_legend(figure, [ax], columns=2)
     return save_figure(figure, out / "spectrum_limits")
+
+
+def default_limits_figure(limits: pd.DataFrame, out: Path) -> Path:
+    """``default_limits``: slow and fast limit over Poisson's ratio, a panel an integrator.
+
+    ``limits`` is the table of the default settings; dotted: the default CFL number.
+    """
+    integrators = list(dict.fromkeys(limits["integrator"]))
+    figure, axes = panels(1, len(integrators), width=2.5, height=2.4)
+    ratios = sorted(set(limits["nu"]))
+    for ax, integrator in zip(axes[0], integrators, strict=True):
+        mine = limits[limits["integrator"] == integrator].sort_values("nu")
+        for (name, part), colour in zip(mine.groupby("formulation"), COLOURS, strict=False):
+            place = [ratios.index(nu) for nu in part["nu"]]
+            ax.plot(place, part["cfl_slow"], "o-", color=colour, markerfacecolor="white",
+                    label=f"{name}: tenfold in 1000 steps")  # fmt: skip
+            ax.plot(place, part["cfl_fast"], "s--", color=colour, markersize=3.0,
+                    label=f"{name}: tenfold in 50 steps")  # fmt: skip
+        ax.axhline(default_cfl(INTEGRATORS[integrator]), color="0.5", linewidth=0.8, linestyle=":")
+        ax.set_xticks(range(len(ratios)), [f"{nu:g}" for nu in ratios], rotation=60)
+        ax.set(title=integrator, xlabel="Poisson's ratio [-]", ylim=(0.0, 1.02))
+    axes[0, 0].set_ylabel("CFL limit, free block [-]")
+    outside_legend(figure, axes.flat, columns=2)
+    return save_figure(figure, out / "default_limits")

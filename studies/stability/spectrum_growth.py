@@ -24,6 +24,8 @@ LIMITS: dict[str, float] = {
     "fast": 10.0 ** (1.0 / 50.0),
 }
 CFL = tuple(round(0.1 * n, 1) for n in range(1, 13))
+#: Blocks are unstable before that.
+CFL_OF_BLOCKS = CFL[:10]
 SMALLEST = 0.01
 #: Width [CFL] at which bisection stops.
 WIDTH = 0.004

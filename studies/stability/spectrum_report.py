@@ -8,7 +8,11 @@ import pandas as pd
 
 from studies.harness.results import Tables
 from studies.report.document import Bullets, Figure, Paragraph, Section, Table
-from studies.stability.spectrum_figures import growth_maps, limits_figure
+from studies.stability.spectrum_figures import (
+    default_limits_figure,
+    growth_maps,
+    limits_figure,
+)
 from studies.stability.spectrum_growth import LIMITS
 
 _FORMATS = {
@@ -43,7 +47,7 @@ def spectrum_sections(tables: Tables, out: Path) -> list[Section]:
     if drawn is not None:
         caption = (
             "Largest CFL number up to which nothing grows tenfold in 1000 steps (open) and in 50 "
-            "(filled), one choice changed at a time. Dotted: the default CFL numbers."
+            "(filled), one choice changed at a time on a free block. On the left: at every CFL."
         )
         blocks: list[Figure | Table] = [Figure(caption, drawn)]
         scans = limits[~limits["scan"].isin(["map", "larger", "limits"])]
@@ -54,16 +58,18 @@ def spectrum_sections(tables: Tables, out: Path) -> list[Section]:
     if len(tables["limits"]):
         caption = (
             "Stability limits of the default stabilisation and support on a free block, by "
-            "integrator and Poisson's ratio."
+            "integrator and Poisson's ratio; dotted: the default CFL number."
         )
+        drawn = Figure(caption, default_limits_figure(tables["limits"], out))
+        caption = "The same in numbers. Without tau_p {p,F} and {p,F,J} have one spectrum."
         table = Table(caption, tables["limits"], formats=_FORMATS, headings=_HEADINGS)
-        sections.append(Section("Limits of the default settings", [table]))
+        sections.append(Section("Limits of the default settings", [drawn, table]))
     larger = limits[limits["scan"] == "larger"]
     if len(larger):
         columns = ["variant", "body", "size", "cfl", "max_g - 1", "decades", "mode", "frequency"]
-        caption = "Larger bodies at the default CFL number, by Arnoldi iteration."
+        caption = "A larger body at the default CFL number."
         table = Table(caption, larger[columns], formats=_FORMATS, headings=_HEADINGS)
-        sections.append(Section("Larger bodies", [table]))
+        sections.append(Section("A larger body", [table]))
     sections.append(Section("What grows", [Bullets(_findings(limits))]))
     return sections
 
@@ -91,6 +97,11 @@ def _question() -> Section:
                 f"tenfold in 50 steps ({LIMITS['fast'] - 1:.1e}). F - F_x never changes, nor "
                 "without tau_p does J - det F_x (but for terms of order dt^4 of SSP-RK3), so the "
                 "formulations differ in the spectrum by `tau_p` alone."
+            ),
+            Paragraph(
+                "With the self-adjoint weighting `tau_F` is in units of h / c_p and does not "
+                "change along the CFL axis; printed and paper have it in units of the step, as in "
+                "[Lee2017]. `tau_p` is in units of the step everywhere."
             ),
         ],
     )

@@ -9,7 +9,7 @@ A disturbance is an array ``Y (..., n, k)``, ``k`` disturbances side by side, wi
 
 and ``rate(S, x)`` gives the rates of ``S = (w, v, J)``.  TVD-RK2 moves ``x`` and ``w`` alike.
 So does position Verlet, whose drift moves ``J`` by ``H : grad v`` alone: that part of the rates is
-``coarse(S, x)``, the rates without any intrinsic time.
+``coarse(S)``, the rates without any intrinsic time.
 SSP-RK3 moves ``x`` by the weights that keep angular momentum, not by its own; the two differ by
 ``O(dt^4)`` a step.  So ``x`` has rows of its own if its disturbance is felt at all (``xi_F > 0``, a
 stress, no projection), and formulations without ``F`` have ``w = x`` at every stage.
@@ -30,6 +30,7 @@ from sphsolid.errors import InputError
 
 Block = NDArray[Any]
 Rate = Callable[[Block, Block], Block]
+CoarseRate = Callable[[Block], Block]
 
 
 @dataclass(frozen=True)
@@ -56,7 +57,7 @@ class Layout:
 
 
 def step_map(
-    integrator: Integrator, layout: Layout, rate: Rate, coarse: Rate, Y: Block, cfl: float
+    integrator: Integrator, layout: Layout, rate: Rate, coarse: CoarseRate, Y: Block, cfl: float
 ) -> Block:
     """``Y`` after one step of ``cfl`` units of time."""
     if isinstance(integrator, TVDRK2):
@@ -65,7 +66,10 @@ def step_map(
         return _three_stages(layout, rate, Y, cfl)
     if isinstance(integrator, PositionVerlet):
         return _drift_kick_drift(layout, rate, coarse, Y, cfl)
-    raise InputError(f"integrator {integrator!r} has no linear map; use TVDRK2() or SSPRK3()")
+    raise InputError(
+        f"integrator {integrator!r} has no linear map; use TVDRK2(), SSPRK3() or "
+        "PositionVerlet()"
+    )
 
 
 def _two_stages(layout: Layout, rate: Rate, Y: Block, c: float) -> Block:
@@ -75,13 +79,15 @@ def _two_stages(layout: Layout, rate: Rate, Y: Block, c: float) -> Block:
     return 0.5 * (Y + star + c * rate(star, ahead))
 
 
-def _drift_kick_drift(layout: Layout, rate: Rate, coarse: Rate, Y: Block, c: float) -> Block:
+def _drift_kick_drift(
+    layout: Layout, rate: Rate, coarse: CoarseRate, Y: Block, c: float
+) -> Block:
     m = layout.moves
 
     def by_velocity(S: Block) -> Block:
         alone = np.zeros_like(S)
         alone[..., m : 2 * m, :] = layout.velocity(S)
-        moved = coarse(alone, np.zeros_like(alone[..., :m, :]))
+        moved = coarse(alone)
         # A velocity does work against no stress at rest, but it does change w and J.
         moved[..., m : 2 * m, :] = 0.0
         return moved

@@ -18,12 +18,14 @@ from numpy.typing import NDArray
 
 from sphsolid import SSPRK3, SUPG, SimplifiedHessian, Simulation
 from sphsolid.cloud.neighbours import PairList
+from sphsolid.cloud.pair_operator import expanded
 from sphsolid.continuum import law
 from sphsolid.continuum.tensor import Tensor, cofactor, determinant, split
 from sphsolid.errors import require
 from sphsolid.scheme.projection import project
 from studies.stability.spectrum import J_is_free
 from studies.stability.spectrum_step import Block, Layout, step_map
+from studies.stability.spectrum_times import OfTheStep, Times
 
 Array = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
@@ -38,7 +40,7 @@ class Symbol:
     ``SimplifiedHessian``.
     """
 
-    def __init__(self, simulation: Simulation) -> None:
+    def __init__(self, simulation: Simulation, times: Times = OfTheStep()) -> None:  # noqa: B008
         sim = simulation
         supg = sim.stabilisation
         require(
@@ -50,6 +52,7 @@ class Symbol:
             "the symbol is written for SimplifiedHessian(); take the spectrum of a block",
         )
         self.simulation = sim
+        self.times = times
         self.length = sim.cloud.h_min
         self.unit_time = sim.stable_time_step() / sim._time_step.cfl
         self.has_J = J_is_free(sim)
@@ -78,10 +81,10 @@ class Symbol:
         def rate(S: Block, x: Block) -> Block:
             return state @ S[..., :size, :] + geometry @ x
 
-        coarse_state, coarse_geometry = self.generators(k, 0.0)
+        without_times, _ = self.generators(k, 0.0)
 
-        def coarse(S: Block, x: Block) -> Block:
-            return coarse_state @ S[..., :size, :] + coarse_geometry @ x
+        def coarse(S: Block) -> Block:
+            return without_times @ S[..., :size, :]
 
         unit = np.broadcast_to(np.eye(layout.rows), (len(k), layout.rows, layout.rows))
         return step_map(sim.integrator, layout, rate, coarse, unit, cfl)
@@ -121,24 +124,31 @@ class Symbol:
         by_F, by_J, by_geometry, of_projection = self._stress_by
         F_x = _dyad(x, force)
         P = F @ by_F.T + J[:, None] * by_J + F_x @ by_geometry.T
-        pdot = -_contract(P, divergence)
-        galerkin = pdot.copy()
-        if sim.secondary is not None and isinstance(sim.stabilisation, SUPG):
-            supg, q = sim.stabilisation, sim.secondary
+        supg, q = self.times.at(sim.stabilisation, cfl), sim.secondary
+        found: list[tuple[ComplexArray, ...]] = []
+        if q is not None and isinstance(supg, SUPG):
             assert isinstance(supg.fine_scale, SimplifiedHessian)
             gamma, alpha = supg.fine_scale.moduli(sim.scene.material)
             tau = supg.tau_F * cfl * self.unit_time
+            interpolated = Fdot @ of_projection.T if supg.is_self_adjoint else Fdot
             for point, spread in self._points_around(k):
                 sample = _row(k, q.X[point], cloud.X, q.pairs, point, q.sample)
                 g, w = sample[:, :3], sample[:, 3:]
-                fine = tau * gamma * (_dyad(v, g) - w * Fdot)
+                fine = tau * gamma * (_dyad(v, g) - w * interpolated)
                 fine += supg.xi_F * alpha * (_dyad(x, g) - w * F)
-                pdot -= _contract(fine @ of_projection.T, spread)
-                if self.has_J:
-                    residual = _contract(P, g) - w * galerkin
-                    flux = residual @ H0.reshape(3, 3)
-                    factor = supg.tau_p * cfl * self.unit_time / rho
-                    Jdot -= factor * np.sum(flux * spread, axis=1)
+                fine = fine @ of_projection.T
+                if supg.is_self_adjoint:
+                    P = P - (fine * spread[:, 3:]) @ of_projection.T
+                found.append((g, w, fine, spread[:, :3]))
+        pdot = -_contract(P, divergence)
+        galerkin = pdot.copy()
+        for g, w, fine, spread in found:
+            assert isinstance(supg, SUPG)
+            pdot -= _contract(fine, spread)
+            if self.has_J:
+                flux = (_contract(P, g) - w * galerkin) @ H0.reshape(3, 3)
+                factor = supg.tau_p * cfl * self.unit_time / rho
+                Jdot -= factor * np.sum(flux * spread, axis=1)
         parts = [y[:, 3:6], pdot * self.unit_time / (rho * speed)]
         return np.concatenate(
             parts + ([Jdot[:, None] * self.unit_time] if self.has_J else []), axis=1
@@ -147,10 +157,12 @@ class Symbol:
     def _points_around(self, k: Array) -> list[tuple[int, ComplexArray]]:
         """A secondary particle of every kind, and ``sum_q spread_q e^{i k . (X_q - X_a)}`` of it.
 
+        Four columns, as ``Secondary.spreading`` has them; three where it has no more.
         Points at the same place of their cells are one kind; cells are numbered in order.
         """
         sim, a, q = self.simulation, self.inner, self.simulation.secondary
         assert q is not None
+        spreading = expanded(q.spreading)[1]
         kinds = len(q.X) // len(sim.cloud.mesh.cells)
         row = slice(q.spread_pairs.indptr[a], q.spread_pairs.indptr[a + 1])
         points = q.spread_pairs.indices[row].astype(int)
@@ -160,7 +172,7 @@ class Symbol:
             phase = np.exp(1j * (q.X[points[mine]] - sim.cloud.X[a]) @ k.T).T
             distance = np.linalg.norm(q.X[points[mine]] - sim.cloud.X[a], axis=1)
             nearest = int(points[mine][np.argmin(distance)])
-            shifted = phase @ q.spread[row][mine]
+            shifted = phase @ spreading[row][mine]
             found.append((nearest, shifted))
         return found
 

@@ -14,15 +14,17 @@ from numpy.typing import NDArray
 
 import fem_reference as fem
 import sphsolid as sph
-from sphsolid.defaults import default_cfl, default_stabilisation
+from sphsolid.defaults import default_cfl, default_integrator, default_stabilisation
 from sphsolid.errors import Diverged
 from sphsolid.record import EnergyLedger, MomentumDrift, Reactions, Snapshot
 from sphsolid.record.recorders import Recorder
 from sphsolid.scenes import twisting_column
 from sphsolid.scenes.scene import Scene
+from sphsolid.scheme.stabilisation import Stabilisation
 from studies.convergence.cases import FORMULATIONS, OPERATORS, SECONDARY
 from studies.pictures.shots import SaveShots, ShotFolder
 from studies.report.indicators import pressure_noise, twist_of_top, whole_turns
+from studies.twisting_column.methods import INTEGRATORS, SELF_ADJOINT
 
 Array = NDArray[np.float64]
 Row = dict[str, Any]
@@ -96,6 +98,7 @@ def simulation(
     formulation: str,
     secondary: str,
     operator: str,
+    weighting: str,
     tau_F: float,
     xi_F: float,
     tau_p: float,
@@ -106,26 +109,28 @@ def simulation(
 ) -> Any:
     """The solver of a case, ``cells`` per metre; ``tau_F``, ``tau_p`` in units of the step.
 
-    With ``integrator = "default"`` only what differs from the package's defaults is given.
+    With the package's integrator only what differs from its defaults is given.
     """
     scene = twisting_column(poisson_ratio=nu)
     if method == "B-bar FEM":
         return fem.Simulation(scene, spacing=1.0 / cells, cfl=cfl)
-    stabilisation = (
-        sph.SUPG(tau_F=tau_F, xi_F=xi_F, tau_p=tau_p, secondary=SECONDARY[secondary])
-        if method == "SUPG-SPH"
-        else sph.NoStabilisation()
-    )
+    stabilisation: Stabilisation = sph.NoStabilisation()
+    if method == "SUPG-SPH":
+        stabilisation = sph.SUPG(
+            tau_F=tau_F, xi_F=xi_F, tau_p=tau_p, secondary=SECONDARY[secondary],
+            weighting=sph.SelfAdjoint() if weighting == SELF_ADJOINT else sph.AsPrinted(),
+        )  # fmt: skip
     fields = FORMULATIONS[formulation]()
     given: dict[str, Any] = {
         "stabilisation": stabilisation, "operator": OPERATORS[operator], "cfl": cfl,
     }  # fmt: skip
-    if integrator == "TVD-RK2":
-        given["integrator"] = sph.TVDRK2()
+    usual = default_integrator()
+    if INTEGRATORS[integrator] != usual:
+        given["integrator"] = INTEGRATORS[integrator]
     else:
         chosen = {
-            "stabilisation": default_stabilisation(fields, scene.material),
-            "operator": sph.Consistent(), "cfl": default_cfl(sph.SSPRK3()),
+            "stabilisation": default_stabilisation(fields, scene.material, cfl),
+            "operator": sph.Consistent(), "cfl": default_cfl(usual),
         }  # fmt: skip
         given = {name: value for name, value in given.items() if value != chosen[name]}
     return sph.Simulation(scene, spacing=1.0 / cells, formulation=fields, **given)
@@ -148,8 +153,8 @@ def run_case(
     The surface is kept in the folder ``shots`` at each time of ``frames`` [s], records all.  After
     ``until`` the run goes on for ``average`` [s] for the mean pressure, if it got so far.
     """
-    started = time.perf_counter()
     sim = simulation(cells=cells, cfl=cfl, nu=nu, **options)
+    started, busy = time.perf_counter(), time.process_time()
     record: list[Recorder] = list(RECORD)
     folder, key = ShotFolder(Path(shots)), shot_key(label, cells)
     if frames:
@@ -164,14 +169,14 @@ def run_case(
         reason = str(lost)
         if frames:
             folder.save_lost(key, label, lost)
-    wall = time.perf_counter() - started
+    wall, busy = time.perf_counter() - started, time.process_time() - busy
     history.insert(2, "twist [rad]", unwrapped(history.pop("angle [rad]").to_numpy()))
     end = sim.snapshot()
     named = {"label": label, "cells": cells, "cfl": cfl, "nu": nu}
     run = options | {
         "h_over_dx": getattr(sim, "h_over_dx", float("nan")), "particles": len(end.X),
-        "steps": sim.step, "wall_s": wall, "end_time": sim.time, "survived": not reason,
-        "reason": reason,
+        "steps": sim.step, "wall_s": wall, "cpu_s": busy, "end_time": sim.time,
+        "survived": not reason, "reason": reason,
     }  # fmt: skip
     grid = fields_on_grid(end, cells)
     if average and not reason:
@@ -273,7 +278,8 @@ def cost_case(*, cells: int, steps: int, rounds: int) -> list[Row]:
     }
     best = dict.fromkeys(setups, float("inf"))
     same = {
-        "formulation": "{p,F,H,J}", "operator": "Consistent", "tau_F": 1.0, "integrator": "TVD-RK2",
+        "formulation": "{p,F,H,J}", "operator": "Consistent", "weighting": "as printed",
+        "tau_F": 1.0, "integrator": "TVD-RK2",
     }  # fmt: skip
     sims = {
         name: simulation(cells=cells, cfl=0.3, nu=0.495, **same, **setup)  # type: ignore[arg-type]

@@ -7,6 +7,7 @@ from typing import Any
 
 import pandas as pd
 from matplotlib.axes import Axes
+from matplotlib.ticker import FixedLocator
 
 from studies.convergence.figures import select
 from studies.report.plotting import (
@@ -135,13 +136,16 @@ def energy_figure(history: pd.DataFrame, table: pd.DataFrame, stem: Path) -> Pat
         ylim=(95.0, 106.0),
     )  # fmt: skip
     curves = []
-    for label in (H1, H6, TOOLKIT):
+    for label in (H1, H6, TOOLKIT, NO_TAU_P):
         rest = rest_by_step(table, label)
         curves.append(Curve(label, rest.index.tolist(), rest.tolist(), LOOKS[label]))
     convergence_panel(
         axes[0, 2], curves, title="4x19x4, tau in seconds kept", x_label="CFL number",
         y_label="largest |rest| / E0", slopes=(2, 3),
     )  # fmt: skip
+    marks = [0.075, 0.15, 0.3, 0.6]
+    axes[0, 2].xaxis.set_major_locator(FixedLocator(marks))
+    axes[0, 2].set_xticklabels([f"{cfl:g}" for cfl in marks])
     outside_legend(figure, axes.flat, columns=5)
     return save_figure(figure, stem)
 

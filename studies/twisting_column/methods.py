@@ -7,8 +7,13 @@ from typing import Any
 
 import pandas as pd
 
-from sphsolid import PFJ, SSPRK3
-from sphsolid.defaults import default_cfl, default_stabilisation
+from sphsolid import PF, PFJ, SSPRK3, TVDRK2
+from sphsolid.defaults import (
+    Integrator,
+    default_cfl,
+    default_integrator,
+    default_stabilisation,
+)
 from sphsolid.scenes import twisting_column
 from studies.convergence.figures import select
 
@@ -20,6 +25,8 @@ H1, H6 = "SUPG-SPH H1 (paper)", "SUPG-SPH H6 (paper)"
 #: ``Simulation(scene, spacing=..., formulation=PFJ())`` with nothing else given.
 TOOLKIT = "default {p,F,J}"
 NO_TAU_P = f"{TOOLKIT}, tau_p = 0"
+#: The same with three evaluations a step, at its own CFL number and ``tau_F`` in seconds kept.
+THREE_STAGES = f"{TOOLKIT}, SSP-RK3"
 LITERAL, LITERAL_H6 = f"{H1}, Literal", f"{H6}, Literal"
 FORCE = f"{H1}, Consistent(force)"
 DISPLACEMENT = "displacement SPH"
@@ -27,20 +34,37 @@ FEM = "B-bar FEM"
 #: Added to the name of a method whose tau_F and tau_p keep their seconds when the step is changed.
 KEPT = ", tau kept"
 
-PAPER_RK2 = "TVD-RK2"
+INTEGRATORS: dict[str, Integrator] = {
+    one.name: one for one in (TVDRK2(), SSPRK3(), default_integrator())
+}
+PAPER_RK2 = TVDRK2().name
+AS_PRINTED, SELF_ADJOINT = "as printed", "self-adjoint"
 _SUPG = {
-    "method": "SUPG-SPH", "secondary": "H1", "operator": "Consistent", "tau_F": 1.0,
-    "integrator": PAPER_RK2,
+    "method": "SUPG-SPH", "secondary": "H1", "operator": "Consistent", "weighting": AS_PRINTED,
+    "tau_F": 1.0, "integrator": PAPER_RK2,
 }  # fmt: skip
 _PAPER_H1 = _SUPG | {"formulation": "{p,F,H,J}", "xi_F": 0.2, "tau_p": 0.1}
 _PAPER_H6 = _PAPER_H1 | {"secondary": "H6", "xi_F": 0.0}
-_CHOSEN = default_stabilisation(PFJ(), twisting_column().material)
-_TOOLKIT = _SUPG | {
-    "formulation": "{p,F,J}", "integrator": "default", "tau_F": _CHOSEN.tau_F,
-    "xi_F": _CHOSEN.xi_F, "tau_p": _CHOSEN.tau_p,
-}  # fmt: skip
+
+
+def by_default(
+    formulation: PF | PFJ, integrator: Integrator | None = None, nu: float = NU
+) -> dict[str, Any]:
+    """What the package chooses of the stabilisation, at the integrator's own CFL number."""
+    integrator = default_integrator() if integrator is None else integrator
+    material = twisting_column(poisson_ratio=nu).material
+    chosen = default_stabilisation(formulation, material, default_cfl(integrator))
+    return _SUPG | {
+        "formulation": formulation.name, "integrator": integrator.name,
+        "weighting": SELF_ADJOINT if chosen.is_self_adjoint else AS_PRINTED,
+        "tau_F": chosen.tau_F, "xi_F": chosen.xi_F, "tau_p": chosen.tau_p,
+    }  # fmt: skip
+
+
+_TOOLKIT = by_default(PFJ())
 _CLASSICAL = {
-    "secondary": "-", "tau_F": 0.0, "xi_F": 0.0, "tau_p": 0.0, "integrator": PAPER_RK2,
+    "secondary": "-", "weighting": "-", "tau_F": 0.0, "xi_F": 0.0, "tau_p": 0.0,
+    "integrator": PAPER_RK2,
 }  # fmt: skip
 _DISPLACEMENT = _CLASSICAL | {"method": "displacement SPH", "formulation": "displacement"}
 METHODS: dict[str, Mapping[str, Any]] = {
@@ -48,7 +72,8 @@ METHODS: dict[str, Mapping[str, Any]] = {
     H6: _PAPER_H6,
     TOOLKIT: _TOOLKIT,
     NO_TAU_P: _TOOLKIT | {"tau_p": 0.0},
-    "default {p,F}": _TOOLKIT | {"formulation": "{p,F}", "tau_p": 0.0},
+    THREE_STAGES: by_default(PFJ(), SSPRK3()),
+    "default {p,F}": by_default(PF()),
     "SUPG-SPH {p,F,J} H1, RK2": _SUPG | {"formulation": "{p,F,J}", "xi_F": 0.0, "tau_p": 0.1},
     LITERAL: _PAPER_H1 | {"operator": "Literal"},
     LITERAL_H6: _PAPER_H6 | {"operator": "Literal"},
@@ -67,11 +92,15 @@ def lattice(cells: int) -> str:
 
 
 def usual_cfl(label: str) -> float:
-    """The paper's 0.3 for its scheme, the package's own for its defaults, 0.6 for elements."""
+    """The package's for the integrator, which is the paper's 0.3 for its own; 0.6 for elements."""
     if label == FEM:
         return 0.6
-    chosen = METHODS[label.removesuffix(KEPT)]["integrator"]
-    return 0.3 if chosen == PAPER_RK2 else default_cfl(SSPRK3())
+    return default_cfl(INTEGRATORS[METHODS[label.removesuffix(KEPT)]["integrator"]])
+
+
+def settings(label: str, nu: float = NU) -> dict[str, Any]:
+    """The options of a method; what is left to the package depends on Poisson's ratio."""
+    return by_default(PFJ(), nu=nu) if label == TOOLKIT else dict(METHODS[label])
 
 
 def usual(frame: pd.DataFrame, nu: float = NU) -> pd.DataFrame:

@@ -107,7 +107,7 @@ def _energies(runs: pd.DataFrame) -> Iterator[Line]:
 
 
 def _ledgers(table: pd.DataFrame) -> Iterator[Line]:
-    for label in JUDGED:
+    for label in (*JUDGED, NO_TAU_P):
         runs = select(usual(table), label=label)
         if len(runs):
             worst = runs.loc[runs["rest_largest"].idxmax()]
