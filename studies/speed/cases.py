@@ -52,7 +52,7 @@ def _fastest(run: Callable[[], object], repeats: int = REPEATS) -> float:
 
 def _steps(sim: Any, size: int, threads: int, work: float) -> float:
     """Seconds of a step, timed over many."""
-    steps = max(2, int(work * threads / size))
+    steps = min(100, max(2, int(work * threads / size)))
 
     def several() -> None:
         for _ in range(steps):

@@ -60,10 +60,10 @@ def spectrum_sections(tables: Tables, out: Path) -> list[Section]:
             "Stability limits of the default stabilisation and support on a free block, by "
             "integrator and Poisson's ratio; dotted: the default CFL number."
         )
-        drawn = Figure(caption, default_limits_figure(tables["limits"], out))
+        figure = Figure(caption, default_limits_figure(tables["limits"], out))
         caption = "The same in numbers. Without tau_p {p,F} and {p,F,J} have one spectrum."
         table = Table(caption, tables["limits"], formats=_FORMATS, headings=_HEADINGS)
-        sections.append(Section("Limits of the default settings", [drawn, table]))
+        sections.append(Section("Limits of the default settings", [figure, table]))
     larger = limits[limits["scan"] == "larger"]
     if len(larger):
         columns = ["variant", "body", "size", "cfl", "max_g - 1", "decades", "mode", "frequency"]
