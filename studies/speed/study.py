@@ -122,7 +122,7 @@ def tables(rows: list[Row]) -> Tables:
             everything,
             "column",
             ["integrator", "settings", "particles", "steps", "evaluations", "cpu_s",
-             "cpu_ms_per_particle", "energy_kept", "twist"],
+             "cpu_ms_per_particle", "energy_kept"],
         ),
         "plain": _of(everything, "plain", ["particles", "ns_plain", "ns_compiled", "ratio"]),
         "start": _of(everything, "start", ["cold_s", "warm_s"]),
