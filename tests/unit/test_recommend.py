@@ -94,7 +94,6 @@ def test_what_is_shipped_can_be_run() -> None:
         assert advice.evidence.error_ratio >= 1.0
 
 
-@pytest.mark.skipif(not REPORT.exists(), reason="studies.pareto has not been run")
 def test_the_recommendations_are_those_of_the_report() -> None:
     """Shipped with the package, measured by ``python -m studies.pareto``."""
     pd.testing.assert_frame_equal(pd.read_csv(module.RECOMMENDATIONS), pd.read_csv(REPORT))
