@@ -31,7 +31,7 @@ from fem_reference.hex_maps import hex_maps
 from fem_reference.hex_quadrature import hex_quadrature
 from fem_reference.lanes import LANES, blocks, one_by_one, side_by_side
 from fem_reference.load_shapes import trilinear_shapes
-from sphsolid.scenes.hex_mesh import HexMesh
+from sphsolid.geometry.mesh import HexMesh
 
 Array = NDArray[np.float64]
 

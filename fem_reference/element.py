@@ -13,7 +13,7 @@ from fem_reference.load_shapes import LoadShapes
 from sphsolid.continuum import law
 from sphsolid.continuum.tensor import axpy, cofactor, determinant, join, split
 from sphsolid.continuum.wave_speed import THINNEST
-from sphsolid.scenes.hex_mesh import HexMesh
+from sphsolid.geometry.mesh import HexMesh
 
 Array = NDArray[np.float64]
 

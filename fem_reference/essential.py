@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fem_reference.updates import keep_free
+from sphsolid.geometry.mesh import HexMesh
 from sphsolid.scenes.constraint import Constraint, EssentialPart, essential_parts
-from sphsolid.scenes.hex_mesh import HexMesh
 
 Array = NDArray[np.float64]
 

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from fem_reference.hex_quadrature import brick_edges
 from sphsolid.compiled import kernel, prange
-from sphsolid.scenes.hex_mesh import HexMesh
+from sphsolid.geometry.mesh import HexMesh
 
 Array = NDArray[np.float64]
 

@@ -10,7 +10,8 @@ from skfem import Basis, ElementHex1, MeshHex
 
 from fem_reference.mesh import CORNER_OF_NODE
 from sphsolid.errors import InputError
-from sphsolid.scenes.hex_mesh import CORNERS, HexMesh
+from sphsolid.geometry.cell_shape import CORNERS
+from sphsolid.geometry.mesh import HexMesh
 
 Array = NDArray[np.float64]
 #: Polynomial degree that makes scikit-fem use 2x2x2 (2x2 on facets) Gauss points.

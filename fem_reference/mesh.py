@@ -8,7 +8,8 @@ from skfem import MeshHex
 from skfem.refdom import RefHex
 
 from sphsolid.errors import InputError
-from sphsolid.scenes.hex_mesh import CORNERS, HexMesh
+from sphsolid.geometry.cell_shape import CORNERS
+from sphsolid.geometry.mesh import HexMesh
 
 #: scikit-fem's local node ``k`` is corner ``CORNER_OF_NODE[k]`` of a ``HexMesh`` cell: scikit-fem
 #: counts from (1, 1, 1) down to (0, 0, 0), so the two orders are matched by coordinates.

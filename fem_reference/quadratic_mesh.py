@@ -14,7 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 from skfem import Basis, ElementHex2, MeshHex
 
-from sphsolid.scenes.hex_mesh import CORNERS, HexMesh
+from sphsolid.geometry.cell_shape import CORNERS
+from sphsolid.geometry.mesh import HexMesh
 
 Array = NDArray[np.float64]
 #: Local node ``n = i + 3 j + 9 k`` sits at ``NODES[n]`` in {0, 1/2, 1}^3.

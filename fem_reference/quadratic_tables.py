@@ -18,8 +18,9 @@ from fem_reference.quadratic_mesh import NODES, quadratic_mesh, trilinear
 from fem_reference.triquadratic import PLACES, WEIGHTS
 from sphsolid.continuum import reference_p_wave_speed
 from sphsolid.errors import InputError
+from sphsolid.geometry.cell_shape import CORNERS
+from sphsolid.geometry.mesh import HexMesh
 from sphsolid.scenes import Box
-from sphsolid.scenes.hex_mesh import CORNERS, HexMesh
 
 Array = NDArray[np.float64]
 #: Gauss points ``(27, 3)`` in the unit cube, the first coordinate runs fastest.

@@ -21,6 +21,8 @@ from fem_reference.updates import divide_by_mass
 from sphsolid.compiled import threads
 from sphsolid.continuum import reference_p_wave_speed
 from sphsolid.errors import Diverged, InputError, require
+from sphsolid.geometry.body import AS_MESHED, AsMeshed, Spacing
+from sphsolid.geometry.mesh import hexahedra
 from sphsolid.record import History, Output, Progress, Snapshot, march, restore, write_vtu
 from sphsolid.record.balance import Balance, MomentumWatch, NotTracked, total_momentum
 from sphsolid.record.checkpoint import common_identity
@@ -44,9 +46,16 @@ class Simulation:
     """
 
     def __init__(
-        self, scene: Scene, *, spacing: float, element: Element = DEFAULT_ELEMENT, cfl: float = 0.6
+        self,
+        scene: Scene,
+        *,
+        spacing: Spacing = AS_MESHED,
+        element: Element = DEFAULT_ELEMENT,
+        cfl: float = 0.6,
     ) -> None:
-        """``spacing`` [m] nominal, of nodes; ``cfl`` fraction of the stable step, in (0, 1]."""
+        """``spacing`` [m] nominal, of nodes, unless the body has its own; ``cfl`` fraction of the
+        stable step, in (0, 1].
+        """
         require(
             math.isfinite(cfl) and 0.0 < cfl <= 1.0,
             f"cfl = {cfl} is outside (0, 1]; central differences are stable to about 0.85, use 0.6",
@@ -60,7 +69,8 @@ class Simulation:
         self.cfl = cfl
         self.time = 0.0
         self.step = 0
-        mesh = scene.body.mesh(element.cell_size(spacing))
+        edge = spacing if isinstance(spacing, AsMeshed) else element.cell_size(spacing)
+        mesh = hexahedra(scene.body.mesh(edge), f"element = {element.name}")
         sk = scikit_fem_mesh(mesh)
         self._elements = element.discretise(mesh=mesh, sk=sk, material=scene.material)
         self._mesh = self._elements.mesh

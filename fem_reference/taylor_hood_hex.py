@@ -52,7 +52,7 @@ from fem_reference.taylor_hood_kernels import (
     isochoric_energies,
 )
 from fem_reference.triquadratic import WEIGHTS
-from sphsolid.scenes.hex_mesh import HexMesh
+from sphsolid.geometry.mesh import HexMesh
 
 Array = NDArray[np.float64]
 #: Options are immutable objects, so one default serves every element.

@@ -3,6 +3,7 @@
 from sphsolid.cloud import (
     H1,
     H6,
+    T1,
     Consistent,
     CubicSpline,
     Literal,
@@ -67,6 +68,7 @@ __all__ = [
     "SimplifiedHessian",
     "Simulation",
     "StabilisedStrains",
+    "T1",
     "WendlandC2",
     "__version__",
 ]

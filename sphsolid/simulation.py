@@ -26,6 +26,7 @@ from sphsolid.defaults import (
 )
 from sphsolid.describe import memory_bytes, plan, summary
 from sphsolid.errors import InputError
+from sphsolid.geometry.body import AS_MESHED, Spacing
 from sphsolid.recommend import recommend
 from sphsolid.record.balance import Balance, MomentumWatch, NotTracked, total_momentum
 from sphsolid.record.checkpoint import common_identity, restore
@@ -63,7 +64,8 @@ def _known(name: str, option: object, *kinds: type) -> None:
 class Simulation:
     """SUPG-stabilised mixed total-Lagrangian SPH of one scene.
 
-    ``spacing`` [m] of the particles; options are objects.  Everything is checked before the first
+    ``spacing`` [m] of the particles, where the body does not bring its own; options are
+    objects.  Everything is checked before the first
     step: wrong pairs, a support that is too small, NaN in the initial data raise ``InputError``.
     Where nothing is given, ``sphsolid.defaults`` chooses and ``plan()`` says what.
     """
@@ -72,7 +74,7 @@ class Simulation:
         self,
         scene: Scene,
         *,
-        spacing: float,
+        spacing: Spacing = AS_MESHED,
         formulation: Formulation | None = None,
         stabilisation: Stabilisation | None = None,
         operator: OperatorKind | None = None,

@@ -9,7 +9,7 @@ from sphsolid.cloud.cloud import (
     consistency_report,
 )
 from sphsolid.cloud.operator import Consistent, Literal, OperatorKind
-from sphsolid.cloud.secondary import H1, H6, SecondaryPoints
+from sphsolid.cloud.secondary import H1, H6, T1, SecondaryPoints
 from sphsolid.cloud.smoothing import CubicSpline, QuinticSpline, SmoothingFunction, WendlandC2
 
 __all__ = [
@@ -25,6 +25,7 @@ __all__ = [
     "Secondary",
     "SecondaryPoints",
     "SmoothingFunction",
+    "T1",
     "WendlandC2",
     "build_cloud",
     "build_secondary",

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from sphsolid.cloud.background_mesh import area_vectors, vertex_volumes
 from sphsolid.cloud.consistent import divergence_defect
 from sphsolid.cloud.gradient import (
     corrected_gradient,
@@ -22,7 +21,8 @@ from sphsolid.cloud.secondary import SecondaryPoints
 from sphsolid.cloud.smoothing import SmoothingFunction
 from sphsolid.cloud.support import check_support
 from sphsolid.errors import require
-from sphsolid.scenes.hex_mesh import HexMesh
+from sphsolid.geometry.integrals import area_vectors, vertex_volumes
+from sphsolid.geometry.mesh import Mesh
 
 Array = NDArray[np.float64]
 
@@ -38,7 +38,7 @@ class Cloud:
     ``g_ab = V_b G_a(X_b) / V_a``: ``(DIV P)_a`` is minus ``sum_b P_b g_ab``.
     """
 
-    mesh: HexMesh
+    mesh: Mesh
     X: Array
     V: Array
     areas: Array
@@ -142,7 +142,7 @@ class ConsistencyReport:
 
 
 def build_cloud(
-    mesh: HexMesh,
+    mesh: Mesh,
     *,
     smoothing: SmoothingFunction,
     h_over_dx: float,

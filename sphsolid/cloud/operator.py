@@ -13,13 +13,13 @@ from typing import Literal as OneOf
 import numpy as np
 from numpy.typing import NDArray
 
-from sphsolid.cloud.background_mesh import layers_from_boundary
 from sphsolid.cloud.consistent import least_change
 from sphsolid.cloud.gradient import corrected_gradient, linear_kernel_gradient, offsets
 from sphsolid.cloud.neighbours import PairList
 from sphsolid.cloud.smoothing import SmoothingFunction
 from sphsolid.errors import InputError, require
-from sphsolid.scenes.hex_mesh import HexMesh
+from sphsolid.geometry.integrals import layers_from_boundary
+from sphsolid.geometry.mesh import Mesh
 
 Array = NDArray[np.float64]
 GradientKind = OneOf["corrected_kernel", "linear_kernel"]
@@ -51,7 +51,7 @@ class Gradients:
 class Ingredients:
     """What every operator kind is made from."""
 
-    mesh: HexMesh
+    mesh: Mesh
     volumes: Array
     areas: Array
     pairs: PairList

@@ -1,7 +1,8 @@
 """Secondary particles ``q``: where the SUPG terms are integrated, [Lee2017] section 4.2, Fig. 2.
 
 ``H1`` puts one at the centroid of each hexahedron of the background mesh, ``H6`` one at the
-centroid of each of the six tetrahedra of its Kuhn split.  ``sum V_q`` is the volume of the body.
+centroid of each of the six tetrahedra of its Kuhn split, ``T1`` one at the centroid of each cell
+of a mesh of tetrahedra.  ``sum V_q`` is the volume of the body.
 """
 
 from __future__ import annotations
@@ -12,9 +13,9 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from sphsolid.cloud.background_mesh import cell_volumes_and_centroids
 from sphsolid.errors import InputError
-from sphsolid.scenes.hex_mesh import HexMesh
+from sphsolid.geometry.integrals import cell_volumes_and_centroids
+from sphsolid.geometry.mesh import HexMesh, Mesh, TetMesh, hexahedra
 
 Array = NDArray[np.float64]
 #: Six tetrahedra around the diagonal from corner 0 to corner 6, all of positive volume.
@@ -28,10 +29,10 @@ class SecondaryPoints(Protocol):
 
     @property
     def name(self) -> str:
-        """``H1``, ``H6``."""
+        """``H1``, ``H6``, ``T1``."""
         ...
 
-    def place(self, mesh: HexMesh) -> tuple[Array, Array]:
+    def place(self, mesh: Mesh) -> tuple[Array, Array]:
         """Positions ``X_q (M, 3)`` [m] and volumes ``V_q (M,)`` [m^3]."""
         ...
 
@@ -42,8 +43,9 @@ class H1:
 
     name: str = "H1"
 
-    def place(self, mesh: HexMesh) -> tuple[Array, Array]:
+    def place(self, mesh: Mesh) -> tuple[Array, Array]:
         """Positions ``X_q (C, 3)`` and volumes ``V_q (C,)``."""
+        hexahedra(mesh, "secondary = H1()")
         volume, centroid = cell_volumes_and_centroids(mesh)
         return centroid, volume
 
@@ -54,13 +56,13 @@ class H6:
 
     name: str = "H6"
 
-    def place(self, mesh: HexMesh) -> tuple[Array, Array]:
+    def place(self, mesh: Mesh) -> tuple[Array, Array]:
         """Positions ``X_q (6 C, 3)`` and volumes ``V_q (6 C,)``.
 
         Raises ``InputError`` where a tetrahedron is flat or inside out, which a strongly distorted
         hexahedron can hold without being so itself: its dissipation would feed energy.
         """
-        tetrahedra = mesh.cells[:, KUHN].reshape(-1, 4)
+        tetrahedra = hexahedra(mesh, "secondary = H6()").cells[:, KUHN].reshape(-1, 4)
         corner = mesh.vertices[tetrahedra]
         edges = corner[:, 1:] - corner[:, :1]
         volume = np.linalg.det(edges) / 6.0
@@ -72,3 +74,25 @@ class H6:
                 f"{corner[worst].mean(axis=0).tolist()} m); reduce the jitter or use H1()"
             )
         return corner.mean(axis=1), volume
+
+
+@dataclass(frozen=True)
+class T1:
+    """One secondary particle a tetrahedron, at its centroid: five to six a primary particle."""
+
+    name: str = "T1"
+
+    def place(self, mesh: Mesh) -> tuple[Array, Array]:
+        """Positions ``X_q (C, 3)`` and volumes ``V_q (C,)``."""
+        if not isinstance(mesh, TetMesh):
+            raise InputError(
+                "secondary = T1() needs tetrahedra and the body is meshed with cells of type "
+                f"{mesh.shape.name}; use H1() or H6()"
+            )
+        volume, centroid = cell_volumes_and_centroids(mesh)
+        return centroid, volume
+
+
+def default_secondary(mesh: Mesh) -> SecondaryPoints:
+    """``H1`` on hexahedra, ``T1`` on tetrahedra."""
+    return H1() if isinstance(mesh, HexMesh) else T1()

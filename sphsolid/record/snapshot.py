@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sphsolid.errors import InputError
+from sphsolid.geometry.mesh import Mesh
 from sphsolid.record.balance import NOT_TRACKED, Balance, NotTracked
-from sphsolid.scenes.hex_mesh import HexMesh
 
 Array = NDArray[np.float64]
 
@@ -44,7 +44,7 @@ class Snapshot:
     time: float
     step: int
     material: Any
-    mesh: HexMesh
+    mesh: Mesh
     X: Array
     V: Array
     x: Array

@@ -40,8 +40,8 @@ def write_vtu(snapshot: Snapshot, path: str | Path) -> None:
         points |= law
     mesh = meshio.Mesh(
         _single(snapshot.x),
-        # meshio and VTK number the corners of a hexahedron as ``hex_mesh.CORNERS`` does.
-        [("hexahedron", snapshot.mesh.cells)],
+        # meshio and VTK number the corners of a cell as ``cell_shape`` does.
+        [(snapshot.mesh.shape.vtk, snapshot.mesh.cells)],
         point_data={name: _single(values) for name, values in points.items()},
         cell_data={} if at_points else {name: [_single(values)] for name, values in law.items()},
     )

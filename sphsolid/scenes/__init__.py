@@ -1,7 +1,7 @@
 """Problem statements: one benchmark a file, read by both solvers."""
 
+from sphsolid.geometry import Blocks, Box, Region, Tagged
 from sphsolid.scenes.bending_column import bending_column
-from sphsolid.scenes.body import Blocks, Box, Region, Tagged
 from sphsolid.scenes.cable import Pulse, Step, cable
 from sphsolid.scenes.constraint import Constraint, Fixed
 from sphsolid.scenes.l_shaped_block import l_shaped_block

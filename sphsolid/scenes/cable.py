@@ -28,7 +28,7 @@ from numpy.typing import NDArray
 
 from sphsolid.continuum.neo_hookean import NeoHookean
 from sphsolid.errors import InputError, require
-from sphsolid.scenes.body import Box
+from sphsolid.geometry.body import Box
 from sphsolid.scenes.constraint import Constraint
 from sphsolid.scenes.scene import Scene, Traction
 

@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sphsolid.errors import InputError
-from sphsolid.scenes.hex_mesh import HexMesh
+from sphsolid.geometry.integrals import area_vectors
+from sphsolid.geometry.mesh import Mesh
 
 Array = NDArray[np.float64]
 #: Velocity field ``v(X (n, 3), t) -> (n, 3)`` [m/s].
@@ -65,19 +66,15 @@ class EssentialPart:
         return isinstance(self.velocity, Fixed)
 
 
-def vertex_normals(mesh: HexMesh, face: str) -> tuple[NDArray[np.int64], Array]:
+def vertex_normals(mesh: Mesh, face: str) -> tuple[NDArray[np.int64], Array]:
     """Unit outward normals at the vertices of a tag, area-weighted: ``(n,), (n, 3)``."""
-    quads = mesh.face(face)
-    corners = mesh.vertices[quads]
-    area = 0.5 * np.cross(corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1])
-    particles, position = np.unique(quads, return_inverse=True)
-    normal = np.zeros((len(particles), 3))
-    for corner in position.reshape(quads.shape).T:
-        np.add.at(normal, corner, area)
-    return particles, normal / np.linalg.norm(normal, axis=1, keepdims=True)
+    facets = mesh.face(face)
+    particles = np.unique(facets)
+    area = area_vectors(mesh, facets)[particles]
+    return particles, area / np.linalg.norm(area, axis=1, keepdims=True)
 
 
-def essential_parts(constraints: tuple[Constraint, ...], mesh: HexMesh) -> list[EssentialPart]:
+def essential_parts(constraints: tuple[Constraint, ...], mesh: Mesh) -> list[EssentialPart]:
     """Projectors of every constraint; a later one only adds directions still free at a particle."""
     taken = np.zeros((len(mesh.vertices), 3, 3))
     parts = []

@@ -25,7 +25,7 @@ from numpy.typing import NDArray
 
 from sphsolid.continuum.neo_hookean import NeoHookean
 from sphsolid.errors import require
-from sphsolid.scenes.body import Blocks
+from sphsolid.geometry.body import Blocks
 from sphsolid.scenes.scene import Scene, Traction
 
 Array = NDArray[np.float64]

@@ -25,7 +25,7 @@ from numpy.typing import NDArray
 
 from sphsolid.continuum.neo_hookean import NeoHookean
 from sphsolid.errors import InputError, require
-from sphsolid.scenes.body import Body, Box, Region, Tagged
+from sphsolid.geometry.body import Body, Box, Region, Tagged
 from sphsolid.scenes.constraint import Constraint
 from sphsolid.scenes.scene import Scene, VectorField
 

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sphsolid.errors import InputError, require
-from sphsolid.scenes.body import Body
+from sphsolid.geometry.body import Body
 from sphsolid.scenes.constraint import Constraint
 
 Array = NDArray[np.float64]

@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 
 from sphsolid.continuum.neo_hookean import NeoHookean
 from sphsolid.errors import require
-from sphsolid.scenes.body import Box
+from sphsolid.geometry.body import Box
 from sphsolid.scenes.scene import Scene
 
 

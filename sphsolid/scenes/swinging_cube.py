@@ -28,7 +28,7 @@ from sphsolid.continuum.moduli import first_lame
 from sphsolid.continuum.neo_hookean import NeoHookean
 from sphsolid.continuum.wave_speed import reference_p_wave_speed
 from sphsolid.errors import InputError, require
-from sphsolid.scenes.body import Box
+from sphsolid.geometry.body import Box
 from sphsolid.scenes.constraint import Constraint
 from sphsolid.scenes.manufactured import manufactured_body_force, nonlinear_first_piola
 from sphsolid.scenes.scene import NoBodyForce, Scene, Traction

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from sphsolid.cloud.background_mesh import area_vectors
 from sphsolid.cloud.cloud import Cloud
 from sphsolid.compiled import kernel, prange
 from sphsolid.errors import InputError
+from sphsolid.geometry.integrals import area_vectors
 from sphsolid.scenes.constraint import essential_parts
 from sphsolid.scenes.scene import NoBodyForce, Scene
 

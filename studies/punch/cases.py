@@ -12,9 +12,9 @@ import numpy as np
 import fem_reference as fem
 import sphsolid as sph
 from sphsolid.errors import Diverged
+from sphsolid.geometry.mesh import Mesh
 from sphsolid.record import EnergyLedger, MomentumDrift, Reactions, Snapshot
 from sphsolid.scenes import HeldVelocity, InitialVelocity, Scene, punch
-from sphsolid.scenes.hex_mesh import HexMesh
 from sphsolid.scenes.punch import Press
 from sphsolid.scheme.stabilisation import Stabilisation
 from studies.convergence.cases import FORMULATIONS, OPERATORS, SECONDARY
@@ -71,7 +71,7 @@ def on_top(X: np.ndarray) -> np.ndarray:
     return np.isclose(X[:, 2], X[:, 2].max())
 
 
-def lattice_name(mesh: HexMesh) -> str:
+def lattice_name(mesh: Mesh) -> str:
     """Points along X, Z and Y, the paper's order: ``21x11x3``."""
     counts = [len(np.unique(np.round(mesh.vertices[:, axis], 9))) for axis in (0, 2, 1)]
     return "x".join(map(str, counts))

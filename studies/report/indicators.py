@@ -7,8 +7,9 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from sphsolid.geometry.cell_shape import CORNERS
+from sphsolid.geometry.mesh import HexMesh, hexahedra
 from sphsolid.record import Snapshot
-from sphsolid.scenes.hex_mesh import CORNERS, HexMesh
 
 Array = NDArray[np.float64]
 Triples = NDArray[np.int64]
@@ -62,7 +63,8 @@ def pressure_noise(snapshot: Snapshot, *, above: float = -math.inf) -> float:
     ``X_2 > above`` [m] count, which leaves out a clamp and the singular stress at its corners.
     """
     at_vertices = len(snapshot.J) == len(snapshot.X)
-    triples = (vertex_triples if at_vertices else cell_triples)(snapshot.mesh)
+    mesh = hexahedra(snapshot.mesh, "pressure_noise")
+    triples = (vertex_triples if at_vertices else cell_triples)(mesh)
     p, X = snapshot.pressure, snapshot.stress_X
     kept = X[:, 1] > above
     weights = snapshot.stress_V[kept]

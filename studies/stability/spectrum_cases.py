@@ -15,7 +15,7 @@ from sphsolid.cloud.secondary import SecondaryPoints
 from sphsolid.continuum import law
 from sphsolid.continuum.tensor import cofactor, determinant
 from sphsolid.defaults import Integrator, default_cfl
-from sphsolid.scenes.body import Box
+from sphsolid.geometry.body import Box
 from sphsolid.scenes.constraint import Constraint
 from sphsolid.scenes.scene import Scene
 from sphsolid.scheme import AsPrinted, Formulation, SelfAdjoint

@@ -8,10 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 import sphsolid as sph
-from sphsolid.cloud.background_mesh import area_vectors
 from sphsolid.cloud.cloud import Cloud
 from sphsolid.continuum import law
 from sphsolid.continuum.tensor import cofactor, determinant, join, split
+from sphsolid.geometry.integrals import area_vectors
 from sphsolid.scenes import Box, Constraint, Scene, Traction
 
 Array = NDArray[np.float64]

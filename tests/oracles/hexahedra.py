@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from sphsolid.scenes.hex_mesh import CORNERS
+from sphsolid.geometry.cell_shape import CORNERS
 
 Array = NDArray[Any]
 #: Gauss-Legendre rules on [0, 1], exact to degree 3 and 5.

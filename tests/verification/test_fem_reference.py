@@ -17,6 +17,7 @@ from fem_reference.loads import loads_of, nodal_force
 from fem_reference.mesh import scikit_fem_mesh
 from sphsolid.continuum import MooneyRivlin, NeoHookean, law
 from sphsolid.continuum.tensor import cofactor, determinant, split
+from sphsolid.geometry.mesh import HexMesh
 from sphsolid.record import (
     AngularMomentum,
     Energy,
@@ -33,7 +34,6 @@ from sphsolid.scenes import (
     amplitude_of_gradient,
     swinging_cube,
 )
-from sphsolid.scenes.hex_mesh import HexMesh
 
 Array = NDArray[np.float64]
 FACES = ("X-", "X+", "Y-", "Y+", "Z-", "Z+")

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 import sphsolid as sph
-from sphsolid.cloud.background_mesh import layers_from_boundary
+from sphsolid.geometry.integrals import layers_from_boundary
 from tests.oracles.blocks import AFFINE, FORMULATIONS, MOONEY, RUBBER, stress_of, stretched_block
 from tests.oracles.checkers import accelerations, patch_imbalance
 

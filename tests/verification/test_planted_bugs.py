@@ -14,9 +14,9 @@ from numpy.typing import NDArray
 
 import sphsolid as sph
 from sphsolid.cloud import cloud as cloud_module
-from sphsolid.cloud.background_mesh import vertex_volumes
 from sphsolid.cloud.neighbours import PairList, transposed
-from sphsolid.scenes.hex_mesh import HexMesh
+from sphsolid.geometry.integrals import vertex_volumes
+from sphsolid.geometry.mesh import HexMesh
 from sphsolid.scheme import galerkin
 from sphsolid.scheme.right_hand_side import RightHandSide
 from sphsolid.scheme.tvd_rk2 import TVDRK2Stepper

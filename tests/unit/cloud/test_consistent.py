@@ -11,10 +11,10 @@ from numpy.typing import NDArray
 
 import sphsolid as sph
 from sphsolid.cloud import Cloud, build_cloud, consistency_report, consistent
-from sphsolid.cloud.background_mesh import layers_from_boundary
 from sphsolid.cloud.consistent import divergence_defect, least_change
 from sphsolid.cloud.neighbours import PairList
 from sphsolid.errors import InputError
+from sphsolid.geometry.integrals import layers_from_boundary
 from sphsolid.scenes import Box
 from tests.oracles.dense import dense
 

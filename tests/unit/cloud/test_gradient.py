@@ -19,8 +19,8 @@ from sphsolid.cloud.gradient import (
 )
 from sphsolid.cloud.neighbours import pairs_within
 from sphsolid.errors import InputError
+from sphsolid.geometry.cell_shape import CORNERS
 from sphsolid.scenes import Box
-from sphsolid.scenes.hex_mesh import CORNERS
 from tests.oracles.dense import dense
 
 Array = NDArray[np.float64]

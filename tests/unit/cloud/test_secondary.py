@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 import sphsolid as sph
 from sphsolid.cloud import Cloud, build_secondary
-from sphsolid.cloud.background_mesh import cell_volumes_and_centroids
 from sphsolid.errors import InputError
+from sphsolid.geometry.integrals import cell_volumes_and_centroids
 from sphsolid.scenes import Box
 from tests.oracles.dense import dense
 

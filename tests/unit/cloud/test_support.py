@@ -11,8 +11,8 @@ import pytest
 import sphsolid as sph
 from sphsolid.cloud import build_cloud, build_secondary, consistency_report
 from sphsolid.errors import InputError
+from sphsolid.geometry.mesh import HexMesh
 from sphsolid.scenes import Box, swinging_cube
-from sphsolid.scenes.hex_mesh import HexMesh
 
 MESSAGE = re.compile(
     r"h_over_dx = (?P<asked>[\d.]+) is too small: \d+ of \d+ (?P<what>.+) particles .* particle "

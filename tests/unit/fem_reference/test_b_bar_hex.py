@@ -14,8 +14,9 @@ from fem_reference.lanes import side_by_side
 from fem_reference.mesh import scikit_fem_mesh
 from sphsolid.continuum import MooneyRivlin, NeoHookean, law
 from sphsolid.continuum.tensor import cofactor, determinant, split
+from sphsolid.geometry.cell_shape import CORNERS
+from sphsolid.geometry.mesh import HexMesh
 from sphsolid.scenes import Box
-from sphsolid.scenes.hex_mesh import CORNERS, HexMesh
 from tests.oracles.hexahedra import gauss_data
 
 Array = NDArray[Any]

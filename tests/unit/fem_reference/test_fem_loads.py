@@ -9,8 +9,8 @@ from fem_reference.loads import Load, loads_of, nodal_force
 from fem_reference.mesh import scikit_fem_mesh
 from sphsolid.continuum import NeoHookean
 from sphsolid.errors import InputError
+from sphsolid.geometry.mesh import HexMesh
 from sphsolid.scenes import Box, Scene, Traction
-from sphsolid.scenes.hex_mesh import HexMesh
 
 Array = NDArray[np.float64]
 MATERIAL = NeoHookean.from_young(young_modulus=1.0e6, poisson_ratio=0.3, density=1000.0)

@@ -9,8 +9,8 @@ from skfem import ElementHex1, FacetBasis, MeshHex
 from fem_reference.hex_quadrature import hex_quadrature
 from fem_reference.mesh import scikit_fem_mesh
 from sphsolid.errors import InputError
+from sphsolid.geometry.mesh import HexMesh
 from sphsolid.scenes import Box
-from sphsolid.scenes.hex_mesh import HexMesh
 
 OUTWARD = {
     "X-": (-1, 0, 0),

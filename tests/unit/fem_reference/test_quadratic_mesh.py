@@ -14,8 +14,8 @@ from fem_reference.quadratic_tables import (
     simpson_volumes,
 )
 from sphsolid.errors import InputError
+from sphsolid.geometry.mesh import HexMesh
 from sphsolid.scenes import Box
-from sphsolid.scenes.hex_mesh import HexMesh
 from tests.oracles.hexahedra import gauss_points, tensor_shapes
 
 

@@ -13,8 +13,8 @@ from fem_reference.quadratic_mesh import NODES
 from fem_reference.taylor_hood_hex import TaylorHoodElements
 from sphsolid.continuum import MooneyRivlin, NeoHookean, law
 from sphsolid.continuum.tensor import cofactor, determinant, split
+from sphsolid.geometry.mesh import HexMesh
 from sphsolid.scenes import Box
-from sphsolid.scenes.hex_mesh import HexMesh
 from tests.oracles.hexahedra import gauss_data
 
 Array = NDArray[Any]

@@ -7,9 +7,10 @@ import pytest
 
 from sphsolid.continuum import NeoHookean
 from sphsolid.errors import Diverged
+from sphsolid.geometry.cell_shape import CORNERS
+from sphsolid.geometry.mesh import HexMesh
 from sphsolid.record import Snapshot
 from sphsolid.scenes import swinging_cube
-from sphsolid.scenes.hex_mesh import CORNERS, HexMesh
 
 NO_MESH = HexMesh(np.zeros((0, 3)), np.zeros((0, 8), dtype=np.int64), {}, 1.0, True)
 

@@ -12,6 +12,7 @@ import pytest
 import fem_reference as fem
 import sphsolid as sph
 from sphsolid.errors import InputError
+from sphsolid.geometry.mesh import HexMesh
 from sphsolid.record import write_vtu
 from sphsolid.record.vtu import write_pvd
 from tests.oracles.blocks import loaded_block
@@ -145,7 +146,7 @@ def test_a_field_beyond_single_precision_is_infinite_there(make_snapshot, tmp_pa
     vertices = VTK.astype(float)
     velocity = np.zeros((8, 3))
     velocity[3, 1] = 1e200
-    cells = type("Mesh", (), {"cells": np.arange(8)[None, :]})
+    cells = HexMesh(vertices, np.arange(8)[None, :], {}, 1.0, True)
     body = make_snapshot(vertices, np.ones(8), velocity, mesh=cells)
     write_vtu(body, tmp_path / "body.vtu")
     found = meshio.read(tmp_path / "body.vtu").point_data["v"]

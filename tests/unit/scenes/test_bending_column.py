@@ -7,8 +7,8 @@ import math
 import numpy as np
 import pytest
 
-from sphsolid.cloud.background_mesh import vertex_volumes
 from sphsolid.errors import InputError
+from sphsolid.geometry.integrals import vertex_volumes
 from sphsolid.scenes import Box, bending_column
 
 

@@ -9,8 +9,8 @@ import pytest
 
 import fem_reference as fem
 import sphsolid as sph
-from sphsolid.cloud.background_mesh import area_vectors, vertex_volumes
 from sphsolid.errors import InputError
+from sphsolid.geometry.integrals import area_vectors, vertex_volumes
 from sphsolid.record import AngularMomentum, LinearMomentum
 from sphsolid.scenes import l_shaped_block
 from sphsolid.scenes.l_shaped_block import PUBLISHED_SPACING, load_history

@@ -7,8 +7,8 @@ import pytest
 
 import fem_reference as fem
 import sphsolid as sph
-from sphsolid.cloud.background_mesh import vertex_volumes
 from sphsolid.errors import InputError
+from sphsolid.geometry.integrals import vertex_volumes
 from sphsolid.scenes import Constraint, HeldVelocity, InitialVelocity, punch
 
 INITIAL, TOP, HELD = InitialVelocity(), InitialVelocity(where="top"), HeldVelocity()

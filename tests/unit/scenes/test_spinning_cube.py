@@ -7,8 +7,8 @@ import math
 import numpy as np
 import pytest
 
-from sphsolid.cloud.background_mesh import vertex_volumes
 from sphsolid.errors import InputError
+from sphsolid.geometry.integrals import vertex_volumes
 from sphsolid.scenes import spinning_cube
 
 #: ``rho0 Omega / 6`` [kg m^2/s] and ``rho0 Omega^2 / 12`` [J].

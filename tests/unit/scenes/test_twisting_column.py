@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from sphsolid.cloud.background_mesh import vertex_volumes
 from sphsolid.errors import InputError
+from sphsolid.geometry.integrals import vertex_volumes
 from sphsolid.scenes import Box, Scene, twisting_column
 
 Array = NDArray[np.float64]

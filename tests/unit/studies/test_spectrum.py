@@ -9,7 +9,7 @@ import sphsolid as sph
 from sphsolid.continuum import law
 from sphsolid.continuum.tensor import cofactor, determinant, join, split
 from sphsolid.errors import InputError
-from sphsolid.scenes.body import Box
+from sphsolid.geometry.body import Box
 from sphsolid.scenes.scene import Scene, Traction
 from studies.harness.cases import execute
 from studies.report.plotting import style

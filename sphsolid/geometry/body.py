@@ -11,15 +11,32 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sphsolid.errors import InputError, require
-from sphsolid.scenes.grid_mesh import Block, Triple, block_breaks, block_mesh, box_mesh, covered
-from sphsolid.scenes.hex_mesh import HexMesh
+from sphsolid.geometry.grid_mesh import Block, Triple, block_breaks, block_mesh, box_mesh, covered
+from sphsolid.geometry.mesh import HexMesh, Mesh
+
+
+@dataclass(frozen=True)
+class AsMeshed:
+    """No spacing is asked for: the body comes with its own points."""
+
+
+Spacing = float | AsMeshed
+#: The one there is: what a caller who gives no spacing asks for.
+AS_MESHED = AsMeshed()
+
+
+def chosen(spacing: Spacing, body: str) -> float:
+    """The spacing of a body that can be meshed at any; raises ``InputError`` if none is given."""
+    if isinstance(spacing, AsMeshed):
+        raise InputError(f"{body} can be meshed at any spacing: give spacing = ... [m]")
+    return spacing
 
 
 class Body(Protocol):
-    """Anything that can be filled with hexahedra."""
+    """Anything that can be meshed."""
 
-    def mesh(self, spacing: float) -> HexMesh:
-        """Hexahedra of about ``spacing`` [m] with tagged boundary faces."""
+    def mesh(self, spacing: Spacing) -> Mesh:
+        """Cells of about ``spacing`` [m], or of its own, with tagged boundary faces."""
         ...
 
     @property
@@ -41,9 +58,10 @@ class Box:
     seed: int = 0
     aspect: Triple = (1.0, 1.0, 1.0)
 
-    def mesh(self, spacing: float) -> HexMesh:
-        """See :func:`sphsolid.scenes.grid_mesh.box_mesh`."""
-        return box_mesh(self.lower, self.upper, spacing, self.jitter, self.seed, self.aspect)
+    def mesh(self, spacing: Spacing) -> HexMesh:
+        """See :func:`sphsolid.geometry.grid_mesh.box_mesh`."""
+        edge = chosen(spacing, "a Box")
+        return box_mesh(self.lower, self.upper, edge, self.jitter, self.seed, self.aspect)
 
     @property
     def volume(self) -> float:
@@ -67,9 +85,10 @@ class Blocks:
     seed: int = 0
     aspect: Triple = (1.0, 1.0, 1.0)
 
-    def mesh(self, spacing: float) -> HexMesh:
-        """See :func:`sphsolid.scenes.grid_mesh.block_mesh`."""
-        return block_mesh(self.blocks, spacing, self.jitter, self.seed, self.aspect)
+    def mesh(self, spacing: Spacing) -> HexMesh:
+        """See :func:`sphsolid.geometry.grid_mesh.block_mesh`."""
+        edge = chosen(spacing, "Blocks")
+        return block_mesh(self.blocks, edge, self.jitter, self.seed, self.aspect)
 
     @property
     def volume(self) -> float:
@@ -103,7 +122,7 @@ class Tagged:
     body: Body
     regions: tuple[Region, ...]
 
-    def mesh(self, spacing: float) -> HexMesh:
+    def mesh(self, spacing: Spacing) -> Mesh:
         """The body's mesh with the regions' tags.
 
         Raises ``InputError`` for a name that is taken, an unknown face, an answer of the wrong
@@ -125,8 +144,8 @@ class Tagged:
                 )
             require(
                 bool(chosen.any()),
-                f"region {region.name!r} contains no quadrilateral of face {region.face!r} at "
-                f"spacing {spacing:g} m; refine, or enlarge the region",
+                f"region {region.name!r} contains no facet of face {region.face!r} at "
+                f"spacing {mesh.spacing:g} m; refine, or enlarge the region",
             )
             faces[region.name] = quads[chosen]
             faces[region.face] = quads[~chosen]

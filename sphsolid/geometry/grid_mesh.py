@@ -14,7 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sphsolid.errors import InputError, require
-from sphsolid.scenes.hex_mesh import CORNERS, HexMesh
+from sphsolid.geometry.cell_shape import CORNERS
+from sphsolid.geometry.mesh import HexMesh
 
 Array = NDArray[np.float64]
 Triple = tuple[float, float, float]

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from sphsolid.errors import InputError
+from sphsolid.geometry.cell_shape import CORNERS
+from sphsolid.geometry.grid_mesh import box_mesh
 from sphsolid.scenes import Box
-from sphsolid.scenes.grid_mesh import box_mesh
-from sphsolid.scenes.hex_mesh import CORNERS
 
 LOW, HIGH = (-1.0, 0.0, 2.0), (1.0, 0.5, 2.3)
 NORMALS = {

@@ -7,8 +7,8 @@ import pytest
 
 import fem_reference as fem
 import sphsolid as sph
-from sphsolid.cloud.background_mesh import area_vectors
 from sphsolid.errors import InputError
+from sphsolid.geometry.integrals import area_vectors
 from sphsolid.scenes import Box, Constraint, Region, Scene, Tagged
 from sphsolid.scenes.punch import UpTo
 
@@ -79,7 +79,7 @@ def soft():
     [
         (Region("X+", "Z+", UpTo(0.5)), "taken"),
         (Region("left", "top", UpTo(0.5)), r"'top'.*'X\+'"),
-        (Region("left", "Z+", UpTo(0.1)), "no quadrilateral.*spacing 0.25"),
+        (Region("left", "Z+", UpTo(0.1)), "no facet.*spacing 0.25"),
         (Region("left", "Z+", lambda X: X[:, 0]), "bool"),
         (Region("left", "Z+", lambda X: X > 0.5), "shape"),
     ],

@@ -8,15 +8,15 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from sphsolid.cloud.background_mesh import (
+from sphsolid.errors import InputError
+from sphsolid.geometry.integrals import (
     area_vectors,
     cell_volumes_and_centroids,
     layers_from_boundary,
     vertex_volumes,
 )
-from sphsolid.errors import InputError
+from sphsolid.geometry.mesh import HexMesh
 from sphsolid.scenes import Box
-from sphsolid.scenes.hex_mesh import HexMesh
 
 Array = NDArray[np.float64]
 VOLUME = 1.0 * 0.8 * 1.2

@@ -8,10 +8,10 @@ from itertools import combinations
 import numpy as np
 import pytest
 
-from sphsolid.cloud.background_mesh import area_vectors, vertex_volumes
 from sphsolid.errors import InputError
+from sphsolid.geometry.grid_mesh import GridAxis
+from sphsolid.geometry.integrals import area_vectors, vertex_volumes
 from sphsolid.scenes import Blocks, Box, l_shaped_block
-from sphsolid.scenes.grid_mesh import GridAxis
 
 #: A corner of a cube left out, two blocks that overlap, and a frame with a hole.
 BODIES = {

@@ -1,0 +1,88 @@
+"""Meshes as plain arrays: what both solvers discretise a body with."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sphsolid.errors import InputError
+from sphsolid.geometry.cell_shape import HEXAHEDRON, TETRAHEDRON, CellShape
+
+Array = NDArray[np.float64]
+Indices = NDArray[np.int64]
+
+
+@dataclass(frozen=True)
+class Mesh:
+    """Vertices, cells of one shape and tagged outward boundary facets.
+
+    ``vertices (N, 3)`` [m]; ``cells (C, k)`` in the corner order of ``shape``; ``faces`` name ->
+    ``(f, m)`` vertex loops, counter-clockwise seen from outside; ``spacing`` [m] the nominal
+    distance of neighbouring vertices; ``is_lattice`` True when the vertices sit on a regular
+    axis-aligned grid of that spacing (per axis up to rounding to whole cells).
+    """
+
+    vertices: Array
+    cells: Indices
+    faces: dict[str, Indices]
+    spacing: float
+    is_lattice: bool
+
+    @property
+    def shape(self) -> CellShape:
+        """Shape of the cells."""
+        raise NotImplementedError
+
+    def face(self, name: str) -> Indices:
+        """Facets of a tag; raises ``InputError`` naming the tags there are."""
+        if name not in self.faces or len(self.faces[name]) == 0:
+            raise InputError(
+                f"boundary tag {name!r} is unknown or empty; the body has {sorted(self.faces)}"
+            )
+        return self.faces[name]
+
+    def face_particles(self, name: str) -> Indices:
+        """Sorted vertices of a tag."""
+        return np.unique(self.face(name))
+
+    @property
+    def boundary(self) -> Indices:
+        """All boundary facets ``(f, m)``."""
+        return np.concatenate([self.faces[name] for name in sorted(self.faces)])
+
+    @property
+    def filling(self) -> Array:
+        """Volume a cell stands for, over its own ``(C,)``: one where cells fill the body."""
+        return np.ones(len(self.cells))
+
+
+@dataclass(frozen=True)
+class HexMesh(Mesh):
+    """Eight-node hexahedra, trilinear, with quadrilateral facets ``(f, 4)``."""
+
+    @property
+    def shape(self) -> CellShape:
+        """:data:`~sphsolid.geometry.cell_shape.HEXAHEDRON`."""
+        return HEXAHEDRON
+
+
+def hexahedra(mesh: Mesh, what: str) -> HexMesh:
+    """The mesh itself; raises ``InputError`` when ``what`` needs hexahedra and these are not."""
+    if not isinstance(mesh, HexMesh):
+        raise InputError(
+            f"{what} needs hexahedra and the body is meshed with cells of type "
+            f"{mesh.shape.name}; give a mesh of hexahedra, or an option made for it"
+        )
+    return mesh
+
+
+@dataclass(frozen=True)
+class TetMesh(Mesh):
+    """Four-node tetrahedra, linear, with triangular facets ``(f, 3)``."""
+
+    @property
+    def shape(self) -> CellShape:
+        """:data:`~sphsolid.geometry.cell_shape.TETRAHEDRON`."""
+        return TETRAHEDRON
