@@ -209,6 +209,8 @@ def build_secondary(
         what=f"secondary ({points.name})",
     )  # fmt: skip
     arguments = (X, cloud.X, cloud.V, pairs, cloud.smoothing, cloud.h)
+    # Tensors that lie particle by particle are read pair by pair: runs of rows would be left out.
+    stencils = stencils and not cloud.particle_major
     G = corrected_gradient(*arguments)
     weight = linear_interpolation(*arguments)
     sample = np.concatenate([G, weight[:, None]], axis=1)
