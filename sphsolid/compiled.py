@@ -24,10 +24,10 @@ from typing import Any
 #: Both compiled packages share the cache, because fem_reference inlines sphsolid.continuum.
 _ROOT = Path(__file__).resolve().parent.parent
 _COMPILED_PACKAGES = ("sphsolid", "fem_reference")
-#: Rooms without kernels: records and the wiring change often and need no new compilation.
+#: Rooms without kernels: they change often and need no new compilation.
 _NOT_COMPILED = (
-    "sphsolid/record/", "sphsolid/simulation.py", "sphsolid/defaults.py", "sphsolid/describe.py",
-    "sphsolid/recommend.py",
+    "sphsolid/geometry/", "sphsolid/scenes/", "sphsolid/record/", "sphsolid/simulation.py",
+    "sphsolid/defaults.py", "sphsolid/describe.py", "sphsolid/recommend.py",
 )  # fmt: skip
 
 
@@ -52,14 +52,15 @@ def kernel_hash() -> str:
     return _hash(_NOT_COMPILED)
 
 
-def _cache_base() -> Path:
+def cache_base() -> Path:
+    """Folder of everything that can be made anew: ``SPHSOLID_CACHE`` or the user's cache."""
     chosen = os.environ.get("SPHSOLID_CACHE")
     if chosen:
         return Path(chosen)
     return Path(os.environ.get("XDG_CACHE_HOME", Path.home() / ".cache")) / "sphsolid"
 
 
-CACHE_DIR = _cache_base() / "kernels" / kernel_hash()
+CACHE_DIR = cache_base() / "kernels" / kernel_hash()
 
 # A process that shares the machine should sleep, not spin, while it waits for its threads.
 os.environ.setdefault("OMP_WAIT_POLICY", "passive")
@@ -121,6 +122,7 @@ def description() -> dict[str, Any]:
 
 __all__ = [
     "CACHE_DIR",
+    "cache_base",
     "description",
     "inlined",
     "kernel",

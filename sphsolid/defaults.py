@@ -9,7 +9,10 @@ Every value comes from a study that can be run again; ``docs/stability.md`` has 
   modes of free blocks grow tenfold in more than 1000 steps); ``plan()`` prints the limits,
   ``cfl="auto"`` takes nine tenths of them.
 * **h/dx**: the smallest support is the most accurate one that is solvable: 19 neighbours on a
-  lattice (``studies.operators``, ``studies.stability``).
+  lattice (``studies.operators``, ``studies.stability``).  Elsewhere 1.0: with less, few and chance
+  neighbours make summation by parts hard to solve for.
+* **Operator**: ``Consistent`` on a lattice; on any other cloud ``SummationByParts``, the one that
+  is second order there (``studies.convergence --cloud``).
 * **SelfAdjoint weighting**: ``D(p)`` as printed makes energy when ``tau_F`` is longer than about
   ``0.3 h / c_p``, and lets modes grow slowly at a free corner; the self-adjoint form cannot.
 * **tau_F = min(0.5, 5 c_s / c_p) h / c_p**, a time of the solid and the spacing, not of the step:
@@ -28,7 +31,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from sphsolid.cloud.operator import Consistent, OperatorKind, SummationByParts
+from sphsolid.cloud.secondary import H1, SecondaryPoints
 from sphsolid.errors import InputError
+from sphsolid.geometry.mesh import Mesh
 from sphsolid.scheme.formulation import Formulation
 from sphsolid.scheme.position_verlet import PositionVerlet
 from sphsolid.scheme.ssp_rk3 import SSPRK3
@@ -37,9 +43,9 @@ from sphsolid.scheme.tvd_rk2 import TVDRK2
 
 Integrator = TVDRK2 | SSPRK3 | PositionVerlet
 
-#: Smoothing length over spacing (Wendland C2: support 1.54 and 1.8 spacings).
+#: Smoothing length over spacing (Wendland C2: support 1.54 and 2 spacings).
 H_OVER_DX_LATTICE = 0.77
-H_OVER_DX_DISORDERED = 0.9
+H_OVER_DX_DISORDERED = 1.0
 
 #: Poisson's ratio from which ``tau_p`` is used.
 NEARLY_INCOMPRESSIBLE = 0.49
@@ -72,9 +78,14 @@ def default_cfl(integrator: Integrator) -> float:
     return _CFL[type(integrator)]
 
 
-def default_h_over_dx(is_lattice: bool) -> float:
+def default_operator(mesh: Mesh) -> OperatorKind:
+    """``Consistent`` on a lattice, ``SummationByParts`` on any other cloud."""
+    return Consistent() if mesh.is_lattice else SummationByParts()
+
+
+def default_h_over_dx(mesh: Mesh) -> float:
     """Smoothing length over spacing."""
-    return H_OVER_DX_LATTICE if is_lattice else H_OVER_DX_DISORDERED
+    return H_OVER_DX_LATTICE if mesh.is_lattice else H_OVER_DX_DISORDERED
 
 
 def poisson_ratio(material: Any) -> float:
@@ -84,12 +95,15 @@ def poisson_ratio(material: Any) -> float:
 
 
 def default_stabilisation(
-    formulation: Formulation, material: Any, cfl: float | None = None
+    formulation: Formulation,
+    material: Any,
+    cfl: float | None = None,
+    secondary: SecondaryPoints | None = None,
 ) -> SUPG:
-    """Self-adjoint SUPG-H1 with ``tau_F = min(0.5, 5 c_s / c_p) h / c_p`` at a step of ``cfl``.
+    """Self-adjoint SUPG with ``tau_F = min(0.5, 5 c_s / c_p) h / c_p`` at a step of ``cfl``.
 
     ``tau_p = 0.1`` where ``J`` is evolved and ``nu >= 0.49``; ``cfl`` of the default integrator
-    when not given.
+    and ``H1`` when not given.
     """
     cfl = default_cfl(default_integrator()) if cfl is None else cfl
     speeds = (material.mu / (material.kappa + 4.0 / 3.0 * material.mu)) ** 0.5
@@ -99,6 +113,7 @@ def default_stabilisation(
         xi_F=0.0,
         tau_p=0.1 if damps_J else 0.0,
         weighting=SelfAdjoint(),
+        secondary=H1() if secondary is None else secondary,
     )
 
 

@@ -11,7 +11,8 @@ from typing import Literal as OneOf
 import numpy as np
 
 from sphsolid.cloud.cloud import build_cloud, build_secondary, consistency_report
-from sphsolid.cloud.operator import Consistent, Literal, OperatorKind
+from sphsolid.cloud.operator import Consistent, Literal, OperatorKind, SummationByParts
+from sphsolid.cloud.secondary import default_secondary
 from sphsolid.cloud.smoothing import SmoothingFunction, WendlandC2
 from sphsolid.continuum import law
 from sphsolid.continuum.tensor import cofactor, determinant, join, split
@@ -21,6 +22,7 @@ from sphsolid.defaults import (
     default_cfl,
     default_h_over_dx,
     default_integrator,
+    default_operator,
     default_stabilisation,
     largest_stable_cfl,
 )
@@ -102,8 +104,11 @@ class Simulation:
             cfl = largest_stable_cfl(self.integrator, self.formulation, scene.material)
         cfl = default_cfl(self.integrator) if cfl is None else cfl
         check_cfl(cfl)
+        mesh = scene.body.mesh(spacing)
         if stabilisation is None:
-            stabilisation = default_stabilisation(self.formulation, scene.material, cfl)
+            stabilisation = default_stabilisation(
+                self.formulation, scene.material, cfl, default_secondary(mesh)
+            )
         check_pair(self.formulation, stabilisation)
         self.stabilisation: Stabilisation = stabilisation
         if smoothing is not None and not hasattr(smoothing, "slope"):
@@ -111,15 +116,14 @@ class Simulation:
                 f"smoothing = {smoothing!r} is not a smoothing function; use one of WendlandC2(), "
                 "CubicSpline(), QuinticSpline()"
             )
-        _known("operator", operator, Literal, Consistent)
+        _known("operator", operator, Literal, Consistent, SummationByParts)
         _known("angular_momentum", angular_momentum, LocalProjection, NoProjection)
         _known("initial_strain", initial_strain, Compatible, Given)
-        self.operator = Consistent() if operator is None else operator
+        self.operator: OperatorKind = default_operator(mesh) if operator is None else operator
+        h_over_dx = default_h_over_dx(mesh) if h_over_dx is None else h_over_dx
         self.angular_momentum = (
             LocalProjection() if angular_momentum is None else angular_momentum
         )
-        mesh = scene.body.mesh(spacing)
-        h_over_dx = default_h_over_dx(mesh.is_lattice) if h_over_dx is None else h_over_dx
         self.h_over_dx = h_over_dx
         self.cloud = build_cloud(
             mesh,
@@ -131,7 +135,6 @@ class Simulation:
             build_secondary(
                 self.cloud,
                 self.stabilisation.secondary,
-                h_over_dx=h_over_dx,
                 adjoint_weight=self.stabilisation.is_self_adjoint,
             )
             if isinstance(self.stabilisation, SUPG)

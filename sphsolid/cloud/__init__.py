@@ -1,5 +1,6 @@
 """Particles from a background mesh and the operators that act on them."""
 
+from sphsolid.cloud.agglomerated import Agglomerated
 from sphsolid.cloud.cloud import (
     Cloud,
     ConsistencyReport,
@@ -8,13 +9,14 @@ from sphsolid.cloud.cloud import (
     build_secondary,
     consistency_report,
 )
-from sphsolid.cloud.operator import Consistent, Literal, OperatorKind
+from sphsolid.cloud.operator import Consistent, Literal, OperatorKind, SummationByParts
 from sphsolid.cloud.secondary import H1, H6, T1, SecondaryPoints
 from sphsolid.cloud.smoothing import CubicSpline, QuinticSpline, SmoothingFunction, WendlandC2
 
 __all__ = [
     "H1",
     "H6",
+    "Agglomerated",
     "Cloud",
     "Consistent",
     "ConsistencyReport",
@@ -25,6 +27,7 @@ __all__ = [
     "Secondary",
     "SecondaryPoints",
     "SmoothingFunction",
+    "SummationByParts",
     "T1",
     "WendlandC2",
     "build_cloud",

@@ -14,11 +14,14 @@ from sphsolid.cloud.gradient import (
     offsets,
     row_sum,
 )
-from sphsolid.cloud.neighbours import PairList, pairs_within, transposed
+from sphsolid.cloud.lengths import Lengths, lengths_of
+from sphsolid.cloud.neighbours import PairList, transposed
 from sphsolid.cloud.operator import Gradients, Ingredients, OperatorKind
+from sphsolid.cloud.operator_cache import gradients_of
 from sphsolid.cloud.pair_operator import PairOperator, expanded, pair_operators
 from sphsolid.cloud.secondary import SecondaryPoints
 from sphsolid.cloud.smoothing import SmoothingFunction
+from sphsolid.cloud.summation_by_parts import skewness_defect
 from sphsolid.cloud.support import check_support
 from sphsolid.errors import require
 from sphsolid.geometry.integrals import area_vectors, vertex_volumes
@@ -32,7 +35,8 @@ class Cloud:
     """Primary particles.
 
     ``X (N, 3)`` [m], ``V (N,)`` [m^3], ``areas (N, 3)`` [m^2] outward area vectors (zero inside),
-    ``h`` [m] smoothing length, ``h_min`` [m] smallest distance between two particles.  Operators
+    ``lengths`` the smoothing lengths, ``h_min`` [m] smallest distance between two particles,
+    ``iterations`` and ``change`` as in ``operator.Gradients``.  Operators
     on one pair list, three columns each: ``kinematic`` and ``force`` the gradients ``G_b(X_a)``
     [1/m] (see ``operator.Gradients``; one object when adjoint), ``adjoint`` the divergence
     ``g_ab = V_b G_a(X_b) / V_a``: ``(DIV P)_a`` is minus ``sum_b P_b g_ab``.
@@ -42,12 +46,36 @@ class Cloud:
     X: Array
     V: Array
     areas: Array
+    lengths: Lengths
     kinematic: PairOperator
     force: PairOperator
     adjoint: PairOperator
     smoothing: SmoothingFunction
-    h: float
     h_min: float
+    iterations: int
+    change: float
+
+    @property
+    def h(self) -> float:
+        """Nominal smoothing length [m]; ``lengths`` has those of a graded cloud."""
+        return self.lengths.h_over_dx * self.spacing
+
+    def areas_of(self, face: str) -> Array:
+        """Area vectors of a tag ``(N, 3)`` [m^2]; those of all tags add up to :attr:`areas`.
+
+        Where ``areas`` differ from the integrals over the mesh, the difference at a particle is
+        shared among its tags by their areas.
+        """
+        whole = area_vectors(self.mesh, self.mesh.boundary)
+        part = area_vectors(self.mesh, self.mesh.face(face))
+        sizes = [
+            np.linalg.norm(area_vectors(self.mesh, facets), axis=1)
+            for facets in self.mesh.faces.values()
+        ]
+        total = np.sum(sizes, axis=0)
+        size = np.linalg.norm(part, axis=1)
+        share = np.divide(size, total, out=np.zeros_like(size), where=total > 0.0)
+        return part + share[:, None] * (self.areas - whole)
 
     @property
     def spacing(self) -> float:
@@ -78,7 +106,8 @@ class Cloud:
     def gradients(self) -> Gradients:
         """Coefficients ``(P, 3)`` [1/m] of every pair, written out."""
         kinematic = expanded(self.kinematic)[1]
-        return Gradients(kinematic, kinematic if self.is_adjoint else expanded(self.force)[1])
+        force = kinematic if self.is_adjoint else expanded(self.force)[1]
+        return Gradients(kinematic, force, self.areas, self.iterations, self.change)
 
     @property
     def divergence(self) -> Array:
@@ -126,18 +155,21 @@ class ConsistencyReport:
     """Largest residuals of the identities the operators should satisfy, all dimensionless.
 
     ``C0`` constants: ``dx |sum_a G_a|``; ``C1`` linears: ``|sum_a G_a (x) X_a - I|``; ``D0``
-    divergence theorem of the force's gradient, over the largest area; ``volume`` relative error
-    of ``sum V``.
+    divergence theorem of the force's gradient, over the largest area; ``SBP`` summation by parts:
+    ``C + C^T - diag(A N)``, ``C_ab = V_a G_b(X_a)``, over the largest area; ``volume`` relative
+    error of ``sum V``.
     """
 
     C0: float
     C1: float
     D0: float
+    SBP: float
     volume: float
 
     def __str__(self) -> str:
         return (
-            f"C0 {self.C0:.1e}, C1 {self.C1:.1e}, D0 {self.D0:.1e}, volume {self.volume:.1e}"
+            f"C0 {self.C0:.1e}, C1 {self.C1:.1e}, D0 {self.D0:.1e}, SBP {self.SBP:.1e}, "
+            f"volume {self.volume:.1e}"
         )
 
 
@@ -162,13 +194,14 @@ def build_cloud(
     X = mesh.vertices
     V = vertex_volumes(mesh)
     areas = area_vectors(mesh, mesh.boundary)
-    h = h_over_dx * mesh.spacing
-    pairs = pairs_within(X, X, smoothing.support * h)
+    lengths = lengths_of(mesh, h_over_dx)
+    pairs = lengths.pairs(X, X, smoothing.support)
     check_support(
         X, X, pairs,
-        h_over_dx=h_over_dx, support=smoothing.support, spacing=mesh.spacing, what="primary",
+        h_over_dx=h_over_dx, support=smoothing.support, spacings=lengths.spacings(X),
+        what="primary",
     )  # fmt: skip
-    gradients = operator.build(Ingredients(mesh, V, areas, pairs, smoothing, h))
+    gradients = gradients_of(operator, Ingredients(mesh, V, areas, pairs, smoothing, lengths))
     columns = [gradients.kinematic]
     if not gradients.is_adjoint:
         columns.append(gradients.force)
@@ -176,7 +209,10 @@ def build_cloud(
     operators = pair_operators(pairs, columns, len(X), stencils=stencils)
     kinematic, force, adjoint = operators[0], operators[-2], operators[-1]
     h_min = _h_min(X, pairs)
-    return Cloud(mesh, X, V, areas, kinematic, force, adjoint, smoothing, h, h_min)
+    return Cloud(
+        mesh, X, V, gradients.areas, lengths, kinematic, force, adjoint, smoothing, h_min,
+        gradients.iterations, gradients.change,
+    )  # fmt: skip
 
 
 def _h_min(X: Array, pairs: PairList) -> float:
@@ -195,20 +231,20 @@ def build_secondary(
     cloud: Cloud,
     points: SecondaryPoints,
     *,
-    h_over_dx: float,
     adjoint_weight: bool = False,
     stencils: bool = True,
 ) -> Secondary:
     """Secondary particles of the cloud's mesh with the cloud's smoothing function."""
     X, V = points.place(cloud.mesh)
-    reach = cloud.smoothing.support * cloud.h
-    pairs = pairs_within(X, cloud.X, reach)
+    lengths = cloud.lengths
+    pairs = lengths.pairs(X, cloud.X, cloud.smoothing.support)
     check_support(
         X, cloud.X, pairs,
-        h_over_dx=h_over_dx, support=cloud.smoothing.support, spacing=cloud.spacing,
-        what=f"secondary ({points.name})",
+        h_over_dx=lengths.h_over_dx, support=cloud.smoothing.support,
+        spacings=lengths.spacings(X), what=f"secondary ({points.name})",
     )  # fmt: skip
-    arguments = (X, cloud.X, cloud.V, pairs, cloud.smoothing, cloud.h)
+    h = lengths.of_pairs(X, pairs)
+    arguments = (X, cloud.X, cloud.V, pairs, cloud.smoothing, h)
     # Tensors that lie particle by particle are read pair by pair: runs of rows would be left out.
     stencils = stencils and not cloud.particle_major
     G = corrected_gradient(*arguments)
@@ -238,5 +274,6 @@ def consistency_report(cloud: Cloud, exact_volume: float) -> ConsistencyReport:
         C0=C0,
         C1=C1,
         D0=float(np.max(np.abs(defect))) / area,
+        SBP=skewness_defect(gradients.force, pairs, cloud.V, cloud.areas),
         volume=abs(float(np.sum(cloud.V)) / exact_volume - 1.0),
     )

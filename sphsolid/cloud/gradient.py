@@ -40,11 +40,12 @@ def corrected_gradient(
     volumes: Array,
     pairs: PairList,
     smoothing: SmoothingFunction,
-    h: float,
+    h: float | Array,
 ) -> Array:
     """``G_b(X) (P, 3)`` [1/m] of every pair.
 
-    ``points (R, 3)``, ``particles (N, 3)`` [m], ``volumes (N,)`` [m^3], ``h`` [m].  The caller
+    ``points (R, 3)``, ``particles (N, 3)`` [m], ``volumes (N,)`` [m^3], ``h`` [m], one
+    length or one a pair.  The caller
     has checked that every row spans three dimensions (see ``support``).
     """
     row = pairs.row_of_pair
@@ -70,7 +71,7 @@ def linear_kernel_gradient(
     volumes: Array,
     pairs: PairList,
     smoothing: SmoothingFunction,
-    h: float,
+    h: float | Array,
 ) -> Array:
     """``G_b(X) (P, 3)`` [1/m]: analytic gradient of the linear-corrected kernel."""
     row = pairs.row_of_pair
@@ -106,7 +107,7 @@ def linear_interpolation(
     volumes: Array,
     pairs: PairList,
     smoothing: SmoothingFunction,
-    h: float,
+    h: float | Array,
 ) -> Array:
     """Weights ``V_b W~_b(X) (P,)`` of the linear-corrected kernel.
 
@@ -115,7 +116,7 @@ def linear_interpolation(
     row = pairs.row_of_pair
     d = offsets(points, particles, pairs)
     VW = volumes[pairs.indices] * smoothing.value(np.linalg.norm(d, axis=1), h)
-    q = np.concatenate([np.ones((len(d), 1)), d / h], axis=1)
+    q = np.concatenate([np.ones((len(d), 1)), d / np.mean(h)], axis=1)
     m = row_sum(pairs, VW[:, None, None] * q[:, :, None] * q[:, None, :])
     first = np.linalg.inv(m)[:, 0, :]
     return VW * np.einsum("pi,pi->p", first[row], q)

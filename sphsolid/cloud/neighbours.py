@@ -63,6 +63,33 @@ def pairs_within(points: Array, particles: Array, radius: float) -> PairList:
     return PairList(matrix.indptr.astype(np.int64), matrix.indices.astype(np.uint32))
 
 
+def pairs_of_lengths(
+    points: Array, particles: Array, reach: Array, particle_reach: Array
+) -> PairList:
+    """Particles nearer than the mean of both radii ``(R,)`` and ``(N,)`` [m], ascending.
+
+    Symmetric when points and particles are the same, whatever the radii are.
+    """
+    tree = cKDTree(particles)
+    here = [np.asarray(near) for near in tree.query_ball_point(points, reach)]
+    there = cKDTree(points).query_ball_point(particles, particle_reach)
+    row = np.concatenate(
+        [np.repeat(np.arange(len(points)), [len(n) for n in here]), *map(np.asarray, there)]
+    ).astype(np.int64)
+    column = np.concatenate(
+        [*here, np.repeat(np.arange(len(particles)), [len(n) for n in there])]
+    ).astype(np.int64)
+    distance = np.linalg.norm(points[row] - particles[column], axis=1)
+    radius = 0.5 * (reach[row] + particle_reach[column])
+    near = distance < radius * (1.0 - 1.0e-10)
+    matrix = csr_array(
+        (np.ones(int(near.sum()), dtype=np.int8), (row[near], column[near])),
+        shape=(len(points), len(particles)),
+    )
+    matrix.sum_duplicates()
+    return PairList(matrix.indptr.astype(np.int64), matrix.indices.astype(np.uint32))
+
+
 def transposed(pairs: PairList, columns: int) -> tuple[PairList, NDArray[np.int64]]:
     """The same pairs listed by column, and for each of them its place in the row list."""
     place = csr_array(

@@ -2,7 +2,8 @@
 
 ``Literal`` is [Lee2017] eqs. (30) and (32) as printed.  ``Consistent`` changes the gradient as
 little as possible so that the force of a uniform stress is exact (see ``consistent``); without it
-the method is first order at best near boundaries.
+the method is first order at best near boundaries.  ``SummationByParts`` makes linear stress exact
+too, which is what second order needs where particles are not on a lattice.
 """
 
 from __future__ import annotations
@@ -13,10 +14,13 @@ from typing import Literal as OneOf
 import numpy as np
 from numpy.typing import NDArray
 
+from sphsolid.cloud.boundary_weights import quadratically_exact_areas
 from sphsolid.cloud.consistent import least_change
 from sphsolid.cloud.gradient import corrected_gradient, linear_kernel_gradient, offsets
+from sphsolid.cloud.lengths import Lengths
 from sphsolid.cloud.neighbours import PairList
 from sphsolid.cloud.smoothing import SmoothingFunction
+from sphsolid.cloud.summation_by_parts import skew_gradient
 from sphsolid.errors import InputError, require
 from sphsolid.geometry.integrals import layers_from_boundary
 from sphsolid.geometry.mesh import Mesh
@@ -35,11 +39,16 @@ class Gradients:
 
     ``kinematic`` takes ``F`` and its rate; ``force`` is the one whose adjoint makes the internal
     force and whose ``F_x`` the angular-momentum projection needs.  They are the same object when
-    the operator is adjoint.
+    the operator is adjoint.  ``areas (N, 3)`` [m^2] are the area vectors that go with ``force``;
+    ``iterations`` what a solver took to find it, ``change`` how far ``force`` is from the printed
+    gradient, relative to it in the root mean square.
     """
 
     kinematic: Array
     force: Array
+    areas: Array
+    iterations: int = 0
+    change: float = 0.0
 
     @property
     def is_adjoint(self) -> bool:
@@ -56,7 +65,19 @@ class Ingredients:
     areas: Array
     pairs: PairList
     smoothing: SmoothingFunction
-    h: float
+    lengths: Lengths
+
+    @property
+    def h(self) -> float | Array:
+        """Smoothing length [m], one or one a pair."""
+        return self.lengths.of_pairs(self.mesh.vertices, self.pairs)
+
+    def share(self) -> Array:
+        """``W / W(0)`` of every pair ``(P,)``."""
+        X, h = self.mesh.vertices, self.h
+        distance = np.linalg.norm(offsets(X, X, self.pairs), axis=1)
+        peak = self.smoothing.value(np.zeros(1), h)
+        return self.smoothing.value(distance, h) / peak
 
 
 def _base(kind: GradientKind, cloud: Ingredients) -> Array:
@@ -64,6 +85,10 @@ def _base(kind: GradientKind, cloud: Ingredients) -> Array:
         raise InputError(f"gradient {kind!r} is not one of {sorted(_GRADIENTS)}")
     X = cloud.mesh.vertices
     return _GRADIENTS[kind](X, X, cloud.volumes, cloud.pairs, cloud.smoothing, cloud.h)
+
+
+def _relative(change: Array, base: Array) -> float:
+    return float(np.sqrt(np.sum(change**2) / np.sum(base**2)))
 
 
 @dataclass(frozen=True)
@@ -84,7 +109,7 @@ class Literal:
     def build(self, cloud: Ingredients) -> Gradients:
         """The gradient, used for kinematics and force."""
         G = _base(self.gradient, cloud)
-        return Gradients(G, G)
+        return Gradients(G, G, cloud.areas)
 
 
 @dataclass(frozen=True)
@@ -122,20 +147,72 @@ class Consistent:
         """Solve for the change and apply it; raises ``InputError`` where none exists."""
         base = _base(self.gradient, cloud)
         X, pairs = cloud.mesh.vertices, cloud.pairs
-        distance = np.linalg.norm(offsets(X, X, pairs), axis=1)
-        peak = cloud.smoothing.value(np.zeros(1), cloud.h)
-        share = cloud.smoothing.value(distance, cloud.h) / peak
+        share = cloud.share()
         weights = np.where(share > 0.0, share**self.weight_exponent, 0.0)
         if cloud.mesh.is_lattice:
             # Rows that see a boundary particle, with its share of a volume, differ from the inner
             # stencil, and so do the columns that see those rows: twice the cells in reach.
-            reach = cloud.smoothing.support * cloud.h / cloud.mesh.spacing
+            reach = cloud.smoothing.support * float(np.max(cloud.h)) / cloud.mesh.spacing
             cells = int(np.ceil(reach - 1e-9)) - 1
             near = layers_from_boundary(cloud.mesh) <= max(self.layers, 2 * cells)
             weights = weights * (near[pairs.row_of_pair] & near[pairs.indices])
         change = least_change(base, pairs, X, cloud.volumes, cloud.areas, weights)
         corrected = base + change.D
-        return Gradients(corrected if self.use == "everywhere" else base, corrected)
+        kinematic = corrected if self.use == "everywhere" else base
+        return Gradients(
+            kinematic, corrected, cloud.areas, change.iterations, _relative(change.D, base)
+        )
 
 
-OperatorKind = Literal | Consistent
+@dataclass(frozen=True)
+class SummationByParts:
+    """A gradient and force that sum by parts: second order on any cloud (``summation_by_parts``).
+
+    ``epsilon``: how much exactness on quadratics counts against nearness to the printed gradient
+    (smaller: more exact, longer to find); ``weight_exponent`` as for :class:`Consistent`;
+    ``tolerance`` of the solver relative to the first defect.
+    """
+
+    epsilon: float = 0.1
+    weight_exponent: float = 0.25
+    tolerance: float = 1.0e-6
+    gradient: GradientKind = "corrected_kernel"
+
+    def __post_init__(self) -> None:
+        require(
+            0.0 < self.epsilon < float("inf")
+            and 0.0 <= self.weight_exponent < float("inf")
+            and 1.0e-12 <= self.tolerance <= 1.0e-2,
+            f"SummationByParts: epsilon = {self.epsilon} must be positive, weight_exponent = "
+            f"{self.weight_exponent} not negative, tolerance = {self.tolerance} within "
+            "[1e-12, 1e-2]; 0.1, 0.25 and 1e-6 are the defaults",
+        )
+
+    @property
+    def name(self) -> str:
+        """``SummationByParts``."""
+        return "SummationByParts"
+
+    def build(self, cloud: Ingredients) -> Gradients:
+        """Solve for the pair; raises ``InputError`` where none exists."""
+        X = cloud.mesh.vertices
+        areas = quadratically_exact_areas(cloud.mesh)
+        base = _base(self.gradient, cloud)
+        found = skew_gradient(
+            base,
+            cloud.pairs,
+            X,
+            cloud.volumes,
+            areas,
+            cloud.lengths.spacings(X),
+            cloud.share(),
+            weight_exponent=self.weight_exponent,
+            epsilon=self.epsilon,
+            tolerance=self.tolerance,
+        )
+        return Gradients(
+            found.G, found.G, areas, found.iterations, _relative(found.G - base, base)
+        )
+
+
+OperatorKind = Literal | Consistent | SummationByParts

@@ -13,6 +13,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from sphsolid.cloud.agglomerated import Agglomerated
 from sphsolid.errors import InputError
 from sphsolid.geometry.integrals import cell_volumes_and_centroids
 from sphsolid.geometry.mesh import HexMesh, Mesh, TetMesh, hexahedra
@@ -94,5 +95,5 @@ class T1:
 
 
 def default_secondary(mesh: Mesh) -> SecondaryPoints:
-    """``H1`` on hexahedra, ``T1`` on tetrahedra."""
-    return H1() if isinstance(mesh, HexMesh) else T1()
+    """``H1`` on hexahedra, ``Agglomerated`` on tetrahedra and points."""
+    return H1() if isinstance(mesh, HexMesh) else Agglomerated()

@@ -23,11 +23,11 @@ class SmoothingFunction(Protocol):
         """Support radius divided by ``h``."""
         ...
 
-    def value(self, r: Array, h: float) -> Array:
+    def value(self, r: Array, h: float | Array) -> Array:
         """``W(r, h)`` [1/m^3]."""
         ...
 
-    def slope(self, r: Array, h: float) -> Array:
+    def slope(self, r: Array, h: float | Array) -> Array:
         """``dW/dr (r, h)`` [1/m^4]."""
         ...
 
@@ -41,14 +41,14 @@ class CubicSpline:
 
     support: ClassVar[float] = 2.0
 
-    def value(self, r: Array, h: float) -> Array:
+    def value(self, r: Array, h: float | Array) -> Array:
         """``W(r, h)`` [1/m^3]."""
         q = r / h
         inner = 1.0 - 1.5 * q**2 + 0.75 * q**3
         outer = 0.25 * np.maximum(2.0 - q, 0.0) ** 3
         return np.where(q < 1.0, inner, outer) / (np.pi * h**3)
 
-    def slope(self, r: Array, h: float) -> Array:
+    def slope(self, r: Array, h: float | Array) -> Array:
         """``dW/dr (r, h)`` [1/m^4]."""
         q = r / h
         inner = -3.0 * q + 2.25 * q**2
@@ -65,13 +65,13 @@ class QuinticSpline:
 
     support: ClassVar[float] = 3.0
 
-    def value(self, r: Array, h: float) -> Array:
+    def value(self, r: Array, h: float | Array) -> Array:
         """``W(r, h)`` [1/m^3]."""
         q = r / h
         a, b, c = (np.maximum(k - q, 0.0) for k in (3.0, 2.0, 1.0))
         return (a**5 - 6.0 * b**5 + 15.0 * c**5) / (120.0 * np.pi * h**3)
 
-    def slope(self, r: Array, h: float) -> Array:
+    def slope(self, r: Array, h: float | Array) -> Array:
         """``dW/dr (r, h)`` [1/m^4]."""
         q = r / h
         a, b, c = (np.maximum(k - q, 0.0) for k in (3.0, 2.0, 1.0))
@@ -87,12 +87,12 @@ class WendlandC2:
 
     support: ClassVar[float] = 2.0
 
-    def value(self, r: Array, h: float) -> Array:
+    def value(self, r: Array, h: float | Array) -> Array:
         """``W(r, h)`` [1/m^3]."""
         q = r / h
         return 21.0 / (16.0 * np.pi * h**3) * np.maximum(1.0 - 0.5 * q, 0.0) ** 4 * (1.0 + 2.0 * q)
 
-    def slope(self, r: Array, h: float) -> Array:
+    def slope(self, r: Array, h: float | Array) -> Array:
         """``dW/dr (r, h)`` [1/m^4]."""
         q = r / h
         return -21.0 / (16.0 * np.pi * h**4) * 5.0 * q * np.maximum(1.0 - 0.5 * q, 0.0) ** 3

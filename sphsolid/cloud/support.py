@@ -22,12 +22,13 @@ def check_support(
     *,
     h_over_dx: float,
     support: float,
-    spacing: float,
+    spacings: Array,
     what: str,
 ) -> None:
     """Raise ``InputError`` unless the neighbours of every point span three dimensions.
 
-    The message names the worst point and the ``h_over_dx`` that would serve it.
+    ``spacings (R,)`` [m] around the points.  The message names the worst point and the
+    ``h_over_dx`` that would serve all of them.
     """
     neighbours = np.diff(pairs.indptr)
     enough = neighbours >= 4
@@ -43,7 +44,7 @@ def check_support(
     if len(bad) == 0:
         return
     worst = int(bad[np.argmin(neighbours[bad])])
-    needed = _smallest_reach(points[bad], particles) / (support * spacing)
+    needed = _smallest_ratio(points[bad], particles, spacings[bad]) / support
     raise InputError(
         f"h_over_dx = {h_over_dx:g} is too small: {len(bad)} of {pairs.rows} {what} particles have "
         f"too few neighbours for the gradient correction, for instance {what} particle {worst} at "
@@ -52,17 +53,17 @@ def check_support(
     )
 
 
-def _smallest_reach(points: Array, particles: Array) -> float:
-    """Radius [m] within which every given point has neighbours that span three dimensions."""
+def _smallest_ratio(points: Array, particles: Array, spacings: Array) -> float:
+    """Radius over spacing within which every point's neighbours span three dimensions."""
     count = min(60, len(particles))
     distance, index = cKDTree(particles).query(points, k=count)
     reach = 0.0
-    for point, radii, near in zip(points, distance, index, strict=True):
+    for point, radii, near, spacing in zip(points, distance, index, spacings, strict=True):
         for n in range(4, count + 1):
             d = particles[near[:n]]
             value = np.linalg.svd(d - d.mean(axis=0), compute_uv=False)
             if value[2] > FLATNESS * value[0]:
-                reach = max(reach, float(radii[n - 1]))
+                reach = max(reach, float(radii[n - 1]) / spacing)
                 break
         else:
             raise InputError(

@@ -1,7 +1,12 @@
 """Bodies and the meshes that fill them: geometry only, no physics and no particles."""
 
 from sphsolid.geometry.body import AsMeshed, Blocks, Body, Box, Region, Spacing, Tagged
+from sphsolid.geometry.check_mesh import MeshReport, check_mesh
 from sphsolid.geometry.mesh import HexMesh, Mesh, TetMesh
+from sphsolid.geometry.mesh_file import MeshFile
+from sphsolid.geometry.point_cloud import PointCloud, interior_lattice
+from sphsolid.geometry.surface import Surface
+from sphsolid.geometry.tet_box import TetBox
 
 __all__ = [
     "AsMeshed",
@@ -10,8 +15,15 @@ __all__ = [
     "Box",
     "HexMesh",
     "Mesh",
+    "MeshFile",
+    "MeshReport",
+    "PointCloud",
     "Region",
     "Spacing",
+    "Surface",
     "Tagged",
+    "TetBox",
     "TetMesh",
+    "check_mesh",
+    "interior_lattice",
 ]

@@ -27,7 +27,7 @@ def _jacobians(mesh: Mesh, slopes: Array) -> Array:
 def vertex_volumes(mesh: Mesh) -> Array:
     """``V_a (N,)`` [m^3]; raises ``InputError`` for an inverted or flat cell."""
     volume = np.zeros(len(mesh.vertices))
-    filling = mesh.filling
+    filling = mesh.corner_filling.T
     for point in mesh.shape.cell_rule:
         jacobian = _jacobians(mesh, point.slopes)
         if np.any(jacobian <= 0.0):
@@ -38,9 +38,9 @@ def vertex_volumes(mesh: Mesh) -> Array:
                 f"{jacobian[cell]:.3g} m^3 near X = {where} m); "
                 "reduce the jitter or repair the mesh"
             )
-        for corner, N in zip(mesh.cells.T, point.N, strict=True):
+        for corner, N, filled in zip(mesh.cells.T, point.N, filling, strict=True):
             volume += np.bincount(
-                corner, weights=point.weight * N * filling * jacobian, minlength=len(volume)
+                corner, weights=point.weight * N * filled * jacobian, minlength=len(volume)
             )
     return volume
 
@@ -110,3 +110,31 @@ def layers_from_boundary(mesh: Mesh) -> NDArray[np.int64]:
         depth += 1
         layer[fresh] = depth
     return layer
+
+
+def local_spacing(mesh: Mesh) -> Array:
+    """Distance of neighbouring vertices around each vertex ``(N,)`` [m], for graded meshes.
+
+    Mean over the cells that meet at a vertex, weighted by their volume, of the edge of the cube
+    that a cell stands for: ``V^(1/3)`` of a hexahedron, ``(6 V)^(1/3)`` of a tetrahedron (a cube
+    is cut into six).  On a lattice of cubes it is the spacing at every vertex; it scales with the
+    mesh and changes from vertex to vertex no faster than the cells do.  How much of a cell the
+    body fills does not matter.  Raises ``InputError`` for a vertex that no cell uses.
+    """
+    volume = sum(
+        (point.weight * _jacobians(mesh, point.slopes) for point in mesh.shape.cell_rule),
+        np.zeros(len(mesh.cells)),
+    )
+    # A simplex on the edges of a cube is a sixth of it, a hexahedron all of it.
+    cube = np.cbrt(volume / sum(point.weight for point in mesh.shape.cell_rule))
+    size, around = np.zeros((2, len(mesh.vertices)))
+    for corner in mesh.cells.T:
+        size += np.bincount(corner, weights=volume * cube, minlength=len(size))
+        around += np.bincount(corner, weights=volume, minlength=len(size))
+    if np.any(around <= 0.0):
+        vertex = int(np.argmin(around))
+        raise InputError(
+            f"vertex {vertex} at X = {mesh.vertices[vertex].tolist()} m belongs to no cell, or to "
+            "inverted ones: it has no spacing; leave it out, or repair the mesh"
+        )
+    return np.asarray(size / around)

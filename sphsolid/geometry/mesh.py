@@ -57,6 +57,11 @@ class Mesh:
         """Volume a cell stands for, over its own ``(C,)``: one where cells fill the body."""
         return np.ones(len(self.cells))
 
+    @property
+    def corner_filling(self) -> Array:
+        """The same for the part of each corner ``(C, k)``, over ``int N_a dV`` of the cell."""
+        return np.broadcast_to(self.filling[:, None], self.cells.shape)
+
 
 @dataclass(frozen=True)
 class HexMesh(Mesh):

@@ -8,7 +8,6 @@ from numpy.typing import NDArray
 from sphsolid.cloud.cloud import Cloud
 from sphsolid.compiled import kernel, prange
 from sphsolid.errors import InputError
-from sphsolid.geometry.integrals import area_vectors
 from sphsolid.scenes.constraint import essential_parts
 from sphsolid.scenes.scene import NoBodyForce, Scene
 
@@ -42,7 +41,7 @@ class Loads:
         self._X = cloud.X
         self._patches = []
         for traction in scene.tractions:
-            area = area_vectors(cloud.mesh, cloud.mesh.face(traction.face))
+            area = cloud.areas_of(traction.face)
             particles = np.flatnonzero(np.linalg.norm(area, axis=1) > 0.0)
             size = np.linalg.norm(area[particles], axis=1)
             normal = area[particles] / size[:, None]

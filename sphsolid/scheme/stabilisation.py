@@ -134,7 +134,10 @@ class SUPG:
     def __post_init__(self) -> None:
         _check_coefficients(self, "tau_F", "xi_F", "tau_p")
         if isinstance(self.secondary, type) or not hasattr(self.secondary, "place"):
-            raise InputError(f"SUPG: secondary = {self.secondary!r} is unknown; use H1() or H6()")
+            raise InputError(
+                f"SUPG: secondary = {self.secondary!r} is unknown; use H1() or H6() on "
+                "hexahedra, Agglomerated() or T1() on tetrahedra and points"
+            )
         if not isinstance(self.fine_scale, FineScale):
             raise InputError(
                 f"SUPG: fine_scale = {self.fine_scale!r} is unknown; use SimplifiedHessian(), "

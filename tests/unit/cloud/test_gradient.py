@@ -58,7 +58,7 @@ def test_linears_are_exact_at_the_secondary_particles(
     make_cloud: MakeCloud, jitter: float, points: Any
 ) -> None:
     cloud = make_cloud(jitter=jitter)
-    q = build_secondary(cloud, points, h_over_dx=0.9)
+    q = build_secondary(cloud, points)
     f = linear(cloud.X)[q.pairs.indices]
     found = row_sum(q.pairs, f[:, :, None] * q.sample[:, None, :3])
     np.testing.assert_allclose(found, np.broadcast_to(GRADIENT, found.shape), atol=1e-11)
@@ -73,7 +73,7 @@ def test_at_an_inner_cell_centre_it_is_the_one_point_hexahedron(
     cloud = sph.cloud.build_cloud(
         mesh, smoothing=sph.WendlandC2(), h_over_dx=0.75, operator=sph.Literal()
     )
-    q = build_secondary(cloud, sph.H1(), h_over_dx=0.75)
+    q = build_secondary(cloud, sph.H1())
     boundary = np.unique(mesh.boundary)
     inner = np.flatnonzero(~np.isin(mesh.cells, boundary).any(axis=1))
     assert len(inner) >= 18

@@ -24,7 +24,7 @@ def test_constants_and_linears_are_reproduced(
     make_cloud: MakeCloud, jitter: float, points: Any
 ) -> None:
     cloud = make_cloud(jitter=jitter)
-    q = build_secondary(cloud, points, h_over_dx=0.9)
+    q = build_secondary(cloud, points)
     weight = q.sample[:, 3]
     np.testing.assert_allclose(row_sum(q.pairs, weight), 1.0, rtol=1e-12)
     moments = row_sum(q.pairs, weight[:, None] * cloud.X[q.pairs.indices])
@@ -64,7 +64,7 @@ def test_shepard_interpolation_would_fail_the_check_on_linears(make_cloud: MakeC
 def test_smooth_fields_are_interpolated_with_second_order(make_cloud: MakeCloud) -> None:
     def error(spacing: float) -> float:
         cloud = make_cloud(jitter=0.2, spacing=spacing)
-        q = build_secondary(cloud, sph.H1(), h_over_dx=0.9)
+        q = build_secondary(cloud, sph.H1())
         f = np.sin(2.0 * cloud.X @ [1.0, 1.0, 1.0])
         found = row_sum(q.pairs, q.sample[:, 3] * f[q.pairs.indices])
         return float(np.sqrt(np.sum(q.V * (found - np.sin(2.0 * q.X @ [1.0, 1.0, 1.0])) ** 2)))

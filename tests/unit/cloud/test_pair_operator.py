@@ -33,7 +33,7 @@ def operators(name: str, *, stencils: bool) -> dict[str, PairOperator]:
         body.mesh(spacing), smoothing=sph.WendlandC2(), h_over_dx=h, operator=sph.Consistent(),
         stencils=stencils,
     )  # fmt: skip
-    q = build_secondary(cloud, sph.H1(), h_over_dx=h, adjoint_weight=True, stencils=stencils)
+    q = build_secondary(cloud, sph.H1(), adjoint_weight=True, stencils=stencils)
     return {
         "kinematic": cloud.kinematic, "adjoint": cloud.adjoint, "sampling": q.sampling,
         "spreading": q.spreading,

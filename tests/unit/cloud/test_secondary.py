@@ -60,7 +60,7 @@ def test_h6_of_a_cube_is_the_six_orders_of_its_coordinates() -> None:
 def test_spread_is_the_adjoint_of_sample(make_cloud: Callable[..., Cloud], points: Any) -> None:
     """``V_a spread_aq = V_q G_a(X_q)``: what the dissipation conserves rests on it."""
     cloud = make_cloud(jitter=0.4)
-    q = build_secondary(cloud, points, h_over_dx=0.9)
+    q = build_secondary(cloud, points)
     G = dense(q.pairs, q.sample, cloud.size)[:, :, :3]
     spread = dense(q.spread_pairs, q.spread, len(q.X))
     scaled = cloud.V[:, None, None] * spread
@@ -74,7 +74,7 @@ def test_a_checkerboard_is_seen_by_h6_alone(make_cloud: Callable[..., Cloud]) ->
     sign = (-1.0) ** np.sum(steps, axis=1)
 
     def largest(points: Any) -> float:
-        q = build_secondary(cloud, points, h_over_dx=0.75)
+        q = build_secondary(cloud, points)
         G = dense(q.pairs, q.sample, cloud.size)[:, :, :3]
         inner = np.all(np.minimum(q.X, np.array(BOX) - q.X) > 0.2, axis=1)
         return float(np.max(np.abs(np.einsum("a,qak->qk", sign, G[inner])))) * cloud.spacing

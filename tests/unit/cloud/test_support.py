@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import re
 from typing import Any
 
@@ -24,7 +25,7 @@ MESSAGE = re.compile(
 def build(mesh: HexMesh, h_over_dx: float, operator: Any, smoothing: Any, points: Any) -> None:
     """A cloud and its secondary particles, judged by its consistency."""
     cloud = build_cloud(mesh, smoothing=smoothing, h_over_dx=h_over_dx, operator=operator)
-    build_secondary(cloud, points, h_over_dx=h_over_dx)
+    build_secondary(cloud, points)
     report = consistency_report(cloud, 1.0)
     assert report.C0 < 1e-10
     assert report.C1 < 1e-10
@@ -62,9 +63,10 @@ def test_secondary_particles_are_checked_too() -> None:
     mesh = Box().mesh(0.2)
     operator, smoothing = sph.Literal(), sph.WendlandC2()
     cloud = build_cloud(mesh, smoothing=smoothing, h_over_dx=0.51, operator=operator)
-    small = sph.cloud.Cloud(**{**vars(cloud), "h": 0.4 * mesh.spacing})
+    lengths = sph.cloud.lengths.Uniform(mesh.spacing, 0.4)
+    small = dataclasses.replace(cloud, lengths=lengths)
     with pytest.raises(InputError, match=r"secondary \(H1\) particle \d+ .* at least 0.45$"):
-        build_secondary(small, sph.H1(), h_over_dx=0.4)
+        build_secondary(small, sph.H1())
 
 
 def test_flat_neighbourhoods_are_noticed() -> None:
@@ -82,7 +84,8 @@ def test_a_cloud_without_thickness_is_refused_with_what_to_do() -> None:
     with pytest.raises(InputError, match="at least two layers"):
         sph.cloud.support.check_support(
             one_layer, one_layer, pairs,
-            h_over_dx=0.75, support=2.0, spacing=0.1, what="primary",
+            h_over_dx=0.75, support=2.0, spacings=np.full(len(one_layer), 0.1),
+            what="primary",
         )  # fmt: skip
 
 

@@ -1,0 +1,110 @@
+"""Smoothing lengths: one for the whole cloud, or one a particle where the mesh is graded."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import cKDTree
+
+from sphsolid.cloud.neighbours import PairList, pairs_of_lengths, pairs_within
+from sphsolid.geometry.cell_shape import CORNERS
+from sphsolid.geometry.integrals import local_spacing
+from sphsolid.geometry.mesh import HexMesh, Mesh
+
+Array = NDArray[np.float64]
+#: Ratio of the largest to the smallest local spacing from which lengths are local.
+GRADED = 1.6
+
+
+@dataclass(frozen=True)
+class Uniform:
+    """``h = h_over_dx dx`` everywhere; ``spacing`` [m] is ``dx``."""
+
+    spacing: float
+    h_over_dx: float
+
+    def pairs(self, points: Array, particles: Array, support: float) -> PairList:
+        """Particles within the support of every point."""
+        return pairs_within(points, particles, support * self.h_over_dx * self.spacing)
+
+    def of_pairs(self, points: Array, pairs: PairList) -> float | Array:
+        """``h`` [m] of every pair."""
+        return self.h_over_dx * self.spacing
+
+    def spacings(self, points: Array) -> Array:
+        """Spacing [m] around every point ``(R,)``."""
+        return np.full(len(points), self.spacing)
+
+
+@dataclass(frozen=True)
+class Local:
+    """``h_ab = h_over_dx (dx_a + dx_b) / 2``, ``dx_a (N,)`` [m] the spacing around a particle."""
+
+    particles: Array
+    spacing: Array
+    h_over_dx: float
+
+    def pairs(self, points: Array, particles: Array, support: float) -> PairList:
+        """Particles within the support of every point; symmetric among the particles."""
+        ratio = support * self.h_over_dx
+        return pairs_of_lengths(
+            points, particles, ratio * self.spacings(points), ratio * self.spacing
+        )
+
+    def of_pairs(self, points: Array, pairs: PairList) -> float | Array:
+        """``h`` [m] of every pair ``(P,)``."""
+        here = self.spacings(points)[pairs.row_of_pair]
+        return np.asarray(0.5 * self.h_over_dx * (here + self.spacing[pairs.indices]))
+
+    def spacings(self, points: Array) -> Array:
+        """Spacing [m] around every point ``(R,)``: the mean of those of the four nearest."""
+        if points is self.particles:
+            return self.spacing
+        _, near = cKDTree(self.particles).query(points, k=min(4, len(self.particles)))
+        return np.asarray(self.spacing[near.reshape(len(points), -1)].mean(axis=1))
+
+
+Lengths = Uniform | Local
+#: Corners at both ends of the four edges along each axis of a hexahedron.
+_SIDES = np.array(
+    [
+        [np.flatnonzero(CORNERS[:, axis] == 0), [
+            int(np.flatnonzero((corner + np.eye(3, dtype=int)[axis] == CORNERS).all(axis=1))[0])
+            for corner in CORNERS[CORNERS[:, axis] == 0]
+        ]]
+        for axis in range(3)
+    ]
+)  # fmt: skip
+
+
+def widest_spacing(mesh: Mesh) -> Array:
+    """Spacing around each vertex ``(N,)`` [m] in the direction where it is widest.
+
+    Of a hexahedron the longest of its three mean edges, of a tetrahedron that of its cube: a
+    support has to reach neighbours on all sides of flat cells too.
+    """
+    if not isinstance(mesh, HexMesh):
+        return local_spacing(mesh)
+    corners = mesh.vertices[mesh.cells]
+    edges = [
+        np.linalg.norm(corners[:, _SIDES[axis, 1]] - corners[:, _SIDES[axis, 0]], axis=2)
+        for axis in range(3)
+    ]
+    longest = np.max([edge.mean(axis=1) for edge in edges], axis=0)
+    total, count = np.zeros((2, len(mesh.vertices)))
+    for corner in mesh.cells.T:
+        total += np.bincount(corner, weights=longest, minlength=len(total))
+        count += np.bincount(corner, minlength=len(count))
+    return np.asarray(total / count)
+
+
+def lengths_of(mesh: Mesh, h_over_dx: float) -> Lengths:
+    """``Uniform`` unless the spacing of the mesh varies by more than :data:`GRADED`."""
+    if mesh.is_lattice:
+        return Uniform(mesh.spacing, h_over_dx)
+    spacing = widest_spacing(mesh)
+    if np.max(spacing) <= GRADED * np.min(spacing):
+        return Uniform(mesh.spacing, h_over_dx)
+    return Local(mesh.vertices, spacing, h_over_dx)

@@ -1,0 +1,105 @@
+"""Solved operators on disk, by a hash of everything they depend on: a second set-up is a read.
+
+A file is whole or not there, and one that cannot be read is made anew.  The folder is that of the
+compiled kernels (``SPHSOLID_CACHE``, or the user's cache); the oldest files make room for new ones.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import tempfile
+import zipfile
+from pathlib import Path
+from typing import Any
+
+import numba
+import numpy as np
+import scipy
+from numpy.typing import NDArray
+
+from sphsolid.cloud.operator import Gradients, Ingredients, Literal, OperatorKind
+from sphsolid.compiled import cache_base, source_hash
+
+Array = NDArray[np.float64]
+#: Clouds of fewer particles are solved faster than it is worth to keep them.
+LEAST_PARTICLES = 4000
+#: Bytes the folder may hold.
+MOST_BYTES = 4_000_000_000
+
+
+def gradients_of(operator: OperatorKind, cloud: Ingredients) -> Gradients:
+    """``operator.build(cloud)``, from the disk where it was built before."""
+    if isinstance(operator, Literal) or len(cloud.volumes) < LEAST_PARTICLES:
+        return operator.build(cloud)
+    folder = cache_base() / "operators"
+    path = folder / f"{content_hash(operator, cloud)}.npz"
+    return _read(path) or _write(path, operator.build(cloud))
+
+
+def content_hash(operator: OperatorKind, cloud: Ingredients) -> str:
+    """Of the mesh, what was made of it, the options, our sources and the libraries."""
+    digest = hashlib.sha256()
+    for part in (
+        source_hash(), numba.__version__, np.__version__, scipy.__version__,
+        repr(operator), repr(cloud.smoothing), repr(cloud.mesh.is_lattice),
+        repr(cloud.mesh.spacing), *sorted(cloud.mesh.faces),
+    ):  # fmt: skip
+        digest.update(part.encode())
+    mesh = cloud.mesh
+    arrays: list[NDArray[Any]] = [mesh.vertices, mesh.cells, cloud.volumes, cloud.areas]
+    arrays += [mesh.faces[name] for name in sorted(mesh.faces)]
+    arrays += [cloud.pairs.indptr, cloud.pairs.indices, np.asarray(cloud.h)]
+    for array in arrays:
+        digest.update(np.ascontiguousarray(array).tobytes())
+    return digest.hexdigest()[:32]
+
+
+def _read(path: Path) -> Gradients | None:
+    try:
+        with np.load(path, allow_pickle=False) as file:
+            kinematic = file["kinematic"]
+            force = file.get("force", kinematic)
+            found = Gradients(
+                kinematic, force, file["areas"], int(file["iterations"]), float(file["change"])
+            )
+    except (OSError, KeyError, ValueError, zipfile.BadZipFile):
+        return None
+    # The time of the last use decides what makes room.
+    os.utime(path)
+    return found
+
+
+def _write(path: Path, made: Gradients) -> Gradients:
+    arrays: dict[str, Array] = {
+        "kinematic": made.kinematic,
+        "areas": made.areas,
+        "iterations": np.array(made.iterations),
+        "change": np.array(made.change),
+    }
+    if not made.is_adjoint:
+        arrays["force"] = made.force
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        with tempfile.NamedTemporaryFile(dir=path.parent, suffix=".part", delete=False) as part:
+            try:
+                np.savez(part, **arrays)  # type: ignore[arg-type]
+                part.close()
+                os.replace(part.name, path)
+            except BaseException:
+                Path(part.name).unlink(missing_ok=True)
+                raise
+        _make_room(path.parent)
+    except OSError:
+        # No room or no right to write: the next run solves again.
+        return made
+    return made
+
+
+def _make_room(folder: Path) -> None:
+    files = sorted(folder.glob("*.npz"), key=lambda file: file.stat().st_mtime, reverse=True)
+    total = 0
+    for file in files:
+        total += file.stat().st_size
+        if total > MOST_BYTES:
+            file.unlink(missing_ok=True)

@@ -1,0 +1,154 @@
+"""A coarse space for smooth functions on any cloud: tensor-product cubic B-splines on a grid.
+
+The multipliers of ``summation_by_parts`` that a point-by-point preconditioner cannot see are
+smooth: values ``s_a = s(X_a)``, slopes ``grad s(X_a) / 2`` and curvatures ``grad grad s(X_a) / 6``
+of one function ``s``, for which the system's form is zero whenever ``s`` is cubic.  Splines on a
+grid of a few spacings represent them on clouds of any kind without a mesh or aggregates, and hold
+all quadratics exactly.  ``Splines`` evaluates (:meth:`Splines.prolong`), tests
+(:meth:`Splines.restrict`, the transpose) and gives the coefficients of the quadratics.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sphsolid.compiled import kernel, prange, register_jitable
+
+Array = NDArray[np.float64]
+#: Grid functions that are not zero at a point, along one axis.
+WIDTH = 4
+
+
+class Splines:
+    """Cubic B-splines on a grid of about ``edge`` [m] over the box around ``X (N, 3)``.
+
+    ``scale (N,)`` [m] is the unit of length of slopes and curvatures; ``shape`` is the number of
+    functions along each axis, ``size`` their number.
+    """
+
+    def __init__(self, X: Array, scale: Array, edge: float) -> None:
+        low, high = X.min(axis=0), X.max(axis=0)
+        length = np.maximum(high - low, 1.0e-12 * np.max(high - low))
+        cells = np.maximum(1, np.ceil(length / edge - 1.0e-9)).astype(np.int64)
+        self.edge = length / cells
+        self.shape = cells + WIDTH - 1
+        self.size = int(np.prod(self.shape))
+        place = (X - low) / self.edge
+        self.cell = np.clip(place.astype(np.int64), 0, cells - 1)
+        t = place - self.cell
+        self.N = np.stack(
+            [
+                (1.0 - t) ** 3,
+                3.0 * t**3 - 6.0 * t**2 + 4.0,
+                -3.0 * t**3 + 3.0 * t**2 + 3.0 * t + 1.0,
+                t**3,
+            ],
+            axis=2,
+        ) / 6.0
+        slope = np.stack(
+            [-((1.0 - t) ** 2), 3.0 * t**2 - 4.0 * t, -3.0 * t**2 + 2.0 * t + 1.0, t**2], axis=2
+        ) / 2.0
+        curvature = np.stack([1.0 - t, 3.0 * t - 2.0, 1.0 - 3.0 * t, t], axis=2)
+        unit = scale[:, None, None] / self.edge[:, None]
+        self.D = slope * unit
+        self.E = curvature * unit**2
+        order = np.lexsort(self.cell.T[::-1])
+        flat = np.ravel_multi_index(tuple(self.cell.T), tuple(cells))
+        self.order = order
+        self.start = np.searchsorted(flat[order], np.arange(int(np.prod(cells)) + 1))
+        self.cells = cells
+
+    def prolong(self, coefficients: Array, out: Array) -> None:
+        """Add the ten values of ``coefficients (size, 3)`` to ``out (N, 10, 3)``."""
+        _prolong(self.cell, self.N, self.D, self.E, self.shape, coefficients, out)
+
+    def restrict(self, z: Array, out: Array) -> None:
+        """The transpose: ``out (size, 3)`` from ``z (N, 10, 3)``."""
+        _restrict(self.order, self.start, self.cells, self.N, self.D, self.E, self.shape, z, out)
+
+    def quadratics(self) -> Array:
+        """Orthonormal coefficients of the ten quadratics ``(size, 10)``.
+
+        With knots ``xi``, ``sum xi_i N_i = x`` and ``sum (xi_i^2 - edge^2 / 3) N_i = x^2``.
+        """
+        one, x, xx = [], [], []
+        for n in self.shape:
+            knots = np.linspace(-1.0, 1.0, n)
+            step = knots[1] - knots[0] if n > 1 else 1.0
+            one.append(np.ones(n))
+            x.append(knots)
+            xx.append(knots**2 - step**2 / 3.0)
+        columns = []
+        for i in range(3):
+            columns += [_outer(one, {i: x[i]}), _outer(one, {i: xx[i]})]
+            columns += [_outer(one, {i: x[i], j: x[j]}) for j in range(i + 1, 3)]
+        columns.append(_outer(one, {}))
+        return np.linalg.qr(np.stack(columns, axis=1))[0]
+
+
+def _outer(one: list[Array], chosen: dict[int, Array]) -> Array:
+    a, b, c = (chosen.get(d, one[d]) for d in range(3))
+    return np.asarray(a[:, None, None] * b[:, None] * c).ravel()
+
+
+@register_jitable
+def ten_values(n0, n1, n2, d0, d1, d2, e0, e1, e2):  # type: ignore[no-untyped-def]
+    """``s, grad s / 2, grad grad s / 6`` of one product of splines, by monomials 1, x, .. yz.
+
+    ``n, d, e``: value, slope and curvature along each axis.
+    """
+    return (
+        n0 * n1 * n2,
+        0.5 * d0 * n1 * n2, 0.5 * n0 * d1 * n2, 0.5 * n0 * n1 * d2,
+        e0 * n1 * n2 / 6.0, n0 * e1 * n2 / 6.0, n0 * n1 * e2 / 6.0,
+        d0 * d1 * n2 / 6.0, d0 * n1 * d2 / 6.0, n0 * d1 * d2 / 6.0,
+    )  # fmt: skip
+
+
+@kernel
+def _prolong(cell, N, D, E, shape, coefficients, out):  # type: ignore[no-untyped-def]
+    for a in prange(len(cell)):
+        for i in range(4):
+            for j in range(4):
+                row = ((cell[a, 0] + i) * shape[1] + cell[a, 1] + j) * shape[2] + cell[a, 2]
+                for k in range(4):
+                    v = ten_values(
+                        N[a, 0, i], N[a, 1, j], N[a, 2, k], D[a, 0, i], D[a, 1, j], D[a, 2, k],
+                        E[a, 0, i], E[a, 1, j], E[a, 2, k],
+                    )  # fmt: skip
+                    x0 = coefficients[row + k, 0]
+                    x1 = coefficients[row + k, 1]
+                    x2 = coefficients[row + k, 2]
+                    for m in range(10):
+                        out[a, m, 0] += v[m] * x0
+                        out[a, m, 1] += v[m] * x1
+                        out[a, m, 2] += v[m] * x2
+
+
+@kernel
+def _restrict(order, start, cells, N, D, E, shape, z, out):  # type: ignore[no-untyped-def]
+    for node in prange(len(out)):
+        n2 = node % shape[2]
+        n1 = (node // shape[2]) % shape[1]
+        n0 = node // (shape[2] * shape[1])
+        t0 = 0.0
+        t1 = 0.0
+        t2 = 0.0
+        for i in range(max(0, n0 - cells[0] + 1), min(3, n0) + 1):
+            for j in range(max(0, n1 - cells[1] + 1), min(3, n1) + 1):
+                for k in range(max(0, n2 - cells[2] + 1), min(3, n2) + 1):
+                    box = ((n0 - i) * cells[1] + n1 - j) * cells[2] + n2 - k
+                    for at in range(start[box], start[box + 1]):
+                        a = order[at]
+                        v = ten_values(
+                            N[a, 0, i], N[a, 1, j], N[a, 2, k], D[a, 0, i], D[a, 1, j], D[a, 2, k],
+                            E[a, 0, i], E[a, 1, j], E[a, 2, k],
+                        )  # fmt: skip
+                        for m in range(10):
+                            t0 += v[m] * z[a, m, 0]
+                            t1 += v[m] * z[a, m, 1]
+                            t2 += v[m] * z[a, m, 2]
+        out[node, 0] = t0
+        out[node, 1] = t1
+        out[node, 2] = t2

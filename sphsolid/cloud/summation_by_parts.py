@@ -1,0 +1,119 @@
+"""A gradient that sums by parts with its own negative transpose, on any cloud.
+
+With ``C^d_ab = V_a G^d_b(X_a)`` a pair sums by parts when
+
+    C + C^T = B = diag(A_a N_a),      C 1 = 0,      C^d X_e = delta_de V,
+
+a discrete integration by parts with exact constants and linears.  It makes the force exact for
+uniform *and* linear stress, the discrete form of the divergence theorem that second order on
+disordered clouds needs, while force and gradient stay each other's adjoint.  So
+``C = A + B / 2`` with ``A`` skew; from the skew part of ``V G`` the nearest such ``A`` is taken
+(``skew_change``).  Two things decide how accurate the result is:
+
+* ``B`` is lumped, with areas that integrate quadratics exactly (``boundary_weights``): the
+  consistent boundary mass, which comes to mind first, doubles the errors.
+* Of the many ``A`` the one is taken that nearly reproduces quadratics, as far as ``epsilon`` lets
+  it depart from ``V G`` for that: otherwise the gradient of a disordered cloud has an error
+  ``O(dx)`` at every particle and so has the stress.
+
+The solver stops at a tolerance.  What it leaves of the rows is then removed row by row, so that C0
+and C1 hold to round-off, and with them conservation of momentum, whatever the tolerance; the
+identity ``C + C^T = B`` and D0 hold to the tolerance.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sphsolid.cloud.gradient import offsets, row_sum
+from sphsolid.cloud.neighbours import PairList, transposed
+from sphsolid.cloud.skew_change import SkewProblem, solve
+from sphsolid.errors import InputError
+
+Array = NDArray[np.float64]
+#: Least weight of a pair at the edge of the support, so that every pair can take part.
+LEAST_SHARE = 1.0e-3
+#: What the solver may leave, over the tolerance, before the pair is refused.
+SLACK = 1.0e3
+
+
+@dataclass(frozen=True)
+class SkewGradient:
+    """``G (P, 3)`` [1/m], iterations of the solver, remainder of its right-hand side."""
+
+    G: Array
+    iterations: int
+    remainder: float
+
+
+def skew_gradient(
+    G: Array,
+    pairs: PairList,
+    X: Array,
+    V: Array,
+    areas: Array,
+    scale: Array,
+    share: Array,
+    *,
+    weight_exponent: float,
+    epsilon: float,
+    tolerance: float,
+    most_iterations: int = 3000,
+) -> SkewGradient:
+    """The gradient nearest to ``G (P, 3)`` [1/m] that sums by parts with ``diag(areas)``.
+
+    ``pairs`` symmetric, each particle its own neighbour; ``scale (N,)`` [m] local spacing;
+    ``share (P,)`` the smoothing function of every pair over its peak.  Raises ``InputError`` where
+    no such gradient exists: where the body is too thin for its support.
+    """
+    row = pairs.row_of_pair
+    _, other = transposed(pairs, pairs.rows)
+    C = V[row, None] * G
+    half_B = np.zeros_like(C)
+    half_B[pairs.indices == row] = 0.5 * areas
+    skew = 0.5 * (C - C[other])
+    unit = scale / float(np.mean(scale))
+    # Entries of A are areas: the change is small relative to them where spacings differ.
+    size = (unit[row] * unit[pairs.indices]) ** 2
+    weights = np.maximum(share, LEAST_SHARE) ** weight_exponent * size
+    problem = SkewProblem(pairs, X, scale, weights, epsilon * unit**4)
+    target = np.zeros((pairs.rows, 10, 3))
+    for d in range(3):
+        target[:, 1 + d, d] = V / scale
+    right = target - problem.row_moments(skew + half_B)
+    found = solve(problem, right, tolerance=tolerance, most_iterations=most_iterations)
+    if not found.remainder <= SLACK * tolerance:
+        raise InputError(
+            "no gradient that sums by parts was found: the row conditions are violated by "
+            f"{found.remainder:.2g} of what they were after {found.iterations} iterations; the "
+            "body is too thin for its support, or the support too small: raise h_over_dx, refine "
+            "the spacing, or use operator = Consistent()"
+        )
+    C = skew + problem.change(found.values) + half_B
+    C += _row_correction(pairs, X, scale, weights, target[:, :4] - problem.row_moments(C)[:, :4])
+    return SkewGradient(C / V[row, None], found.iterations, found.remainder)
+
+
+def _row_correction(
+    pairs: PairList, X: Array, scale: Array, weights: Array, left: Array
+) -> Array:
+    """``D_ab = w_ab psi . c_a`` with row moments ``left (N, 4, 3)``: local, and not skew."""
+    row = pairs.row_of_pair
+    d = offsets(X, X, pairs) / scale[row, None]
+    psi = np.concatenate([np.ones((len(d), 1)), d], axis=1)
+    moment = row_sum(pairs, weights[:, None, None] * psi[:, :, None] * psi[:, None, :])
+    coefficient = np.linalg.solve(moment, left)
+    return np.asarray(weights[:, None] * np.einsum("pi,pic->pc", psi, coefficient[row]))
+
+
+def skewness_defect(G: Array, pairs: PairList, V: Array, areas: Array) -> float:
+    """Largest entry of ``C + C^T - B`` over the largest area."""
+    row = pairs.row_of_pair
+    _, other = transposed(pairs, pairs.rows)
+    C = V[row, None] * G
+    defect = C + C[other]
+    defect[pairs.indices == row] -= areas
+    return float(np.max(np.abs(defect)) / np.max(np.linalg.norm(areas, axis=1)))

@@ -1,0 +1,1 @@
+"""Mesh files that studies run on, and the script that made them."""
