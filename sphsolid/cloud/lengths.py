@@ -14,6 +14,8 @@ from sphsolid.geometry.integrals import local_spacing
 from sphsolid.geometry.mesh import HexMesh, Mesh
 
 Array = NDArray[np.float64]
+#: Most that flat cells lengthen the spacing by: to reach the second neighbours sideways.
+_FLAT = 1.1
 #: Ratio of the largest to the smallest local spacing from which lengths are local.
 GRADED = 1.6
 
@@ -92,7 +94,10 @@ def widest_spacing(mesh: Mesh) -> Array:
         np.linalg.norm(corners[:, _SIDES[axis, 1]] - corners[:, _SIDES[axis, 0]], axis=2)
         for axis in range(3)
     ]
-    longest = np.max([edge.mean(axis=1) for edge in edges], axis=0)
+    means = np.array([edge.mean(axis=1) for edge in edges])
+    longest = np.max(means, axis=0)
+    # Flat cells see many neighbours above and below and must see the second ones sideways.
+    longest *= np.clip(0.5 + 0.5 * longest / np.min(means, axis=0), 1.0, _FLAT)
     total, count = np.zeros((2, len(mesh.vertices)))
     for corner in mesh.cells.T:
         total += np.bincount(corner, weights=longest, minlength=len(total))
