@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from sphsolid.cloud.lengths import Local
 from sphsolid.compiled import description
 from sphsolid.defaults import NotTabulated, stability_limit
 from sphsolid.scheme.stabilisation import SUPG
@@ -24,11 +25,11 @@ def plan(sim: Simulation) -> str:
     lines = [
         f"scene          {sim.scene.name}: {sim.scene.provenance or 'no provenance given'}",
         f"particles      {c.size} primary, spacing {c.spacing:.4g} m, "
-        f"{c.kinematic.mean_neighbours:.1f} neighbours (support {c.smoothing.support * c.h:.4g} m "
-        f"= {c.smoothing.support * sim.h_over_dx:.3g} dx)",
+        f"{c.kinematic.mean_neighbours:.1f} neighbours ({_support(sim)})",
         f"operator       {sim.operator.name}, "
         + ("force and gradient adjoint" if c.is_adjoint else "not adjoint")
-        + f"; {sim.consistency}",
+        + f"; {sim.consistency}; differs from the printed gradient by {c.change:.2g} of it, "
+        + f"{c.iterations} iterations" + _why(sim),
         "fields         p, x" + (", F" if f.evolves_F else " (F from the geometry)")
         + (", H" if f.evolves_H else " (H = cof F)")
         + (", J" if f.evolves_J else " (J = det F)"),
@@ -43,6 +44,23 @@ def plan(sim: Simulation) -> str:
         f"threads        {cost['threads']} ({cost['threading_layer']})",
     ]
     return "\n".join(lines)
+
+
+def _support(sim: Simulation) -> str:
+    c = sim.cloud
+    ratio = c.smoothing.support * sim.h_over_dx
+    if isinstance(c.lengths, Local):
+        small, large = ratio * np.min(c.lengths.spacing), ratio * np.max(c.lengths.spacing)
+        return f"support {small:.4g} to {large:.4g} m = {ratio:.3g} times the local spacing"
+    return f"support {c.smoothing.support * c.h:.4g} m = {ratio:.3g} dx"
+
+
+def _why(sim: Simulation) -> str:
+    if "operator" not in sim.by_default:
+        return ""
+    if sim.cloud.mesh.is_lattice:
+        return "; chosen because on a lattice it is as accurate and keeps the stencil"
+    return "; chosen because away from a lattice no other is second order"
 
 
 def _limit(sim: Simulation) -> str:

@@ -63,7 +63,7 @@ def _read(path: Path) -> Gradients | None:
             found = Gradients(
                 kinematic, force, file["areas"], int(file["iterations"]), float(file["change"])
             )
-    except (OSError, KeyError, ValueError, zipfile.BadZipFile):
+    except (OSError, EOFError, KeyError, ValueError, zipfile.BadZipFile):
         return None
     # The time of the last use decides what makes room.
     os.utime(path)

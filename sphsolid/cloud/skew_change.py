@@ -36,6 +36,8 @@ TERMS = 10
 #: The coarse grid is this many spacings wide, or wider, so that it has no more functions than ...
 COARSE_SPACINGS = 3.0
 MOST_COARSE = 4000
+#: A residual that has grown this much says that there is no solution.
+HOPELESS = 1.0e8
 #: Particles whose pairs are summed into the coarse matrix; a preconditioner needs no more.
 MOST_SAMPLED = 40_000
 
@@ -120,7 +122,7 @@ def solve(
     left = 1.0
     for iteration in range(most_iterations):
         left = float(np.max(np.abs(residual))) / scale
-        if left <= tolerance:
+        if left <= tolerance or left > HOPELESS:
             return Multipliers(values, iteration, left)
         problem.apply(direction, applied)
         curvature = np.einsum("nic,nic->c", direction, applied)

@@ -16,9 +16,10 @@ disordered clouds needs, while force and gradient stay each other's adjoint.  So
   it depart from ``V G`` for that: otherwise the gradient of a disordered cloud has an error
   ``O(dx)`` at every particle and so has the stress.
 
-The solver stops at a tolerance.  What it leaves of the rows is then removed row by row, so that C0
-and C1 hold to round-off, and with them conservation of momentum, whatever the tolerance; the
-identity ``C + C^T = B`` and D0 hold to the tolerance.
+The solver stops at a tolerance.  What it leaves of the rows is then removed row by row, and what
+that leaves of D0 by the least change of ``consistent``: C0, C1 and D0 hold to round-off whatever
+the tolerance, and with them conservation of momentum and the patch test; ``C + C^T = B`` holds to
+the tolerance.
 """
 
 from __future__ import annotations
@@ -28,6 +29,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from sphsolid.cloud.consistent import least_change
 from sphsolid.cloud.gradient import offsets, row_sum
 from sphsolid.cloud.neighbours import PairList, transposed
 from sphsolid.cloud.skew_change import SkewProblem, solve
@@ -94,7 +96,10 @@ def skew_gradient(
         )
     C = skew + problem.change(found.values) + half_B
     C += _row_correction(pairs, X, scale, weights, target[:, :4] - problem.row_moments(C)[:, :4])
-    return SkewGradient(C / V[row, None], found.iterations, found.remainder)
+    G = C / V[row, None]
+    # What is left of D0 is as small as the tolerance: the least change takes it to round-off.
+    G += least_change(G, pairs, X, V, areas, weights / size).D
+    return SkewGradient(G, found.iterations, found.remainder)
 
 
 def _row_correction(

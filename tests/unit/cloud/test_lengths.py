@@ -1,0 +1,76 @@
+"""Smoothing lengths that follow a graded mesh; one length where it is not."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+import sphsolid as sph
+from sphsolid.cloud import build_cloud, build_secondary, consistency_report
+from sphsolid.cloud.lengths import Local, Uniform, lengths_of, widest_spacing
+from sphsolid.cloud.neighbours import pairs_of_lengths, pairs_within
+from sphsolid.geometry import Box, HexMesh
+
+
+def graded(ratio: float = 4.0) -> HexMesh:
+    """A cube whose cells grow along X by ``ratio`` from one side to the other."""
+    mesh = Box().mesh(0.125)
+    s = np.log(ratio)
+    X = mesh.vertices.copy()
+    X[:, 0] = (np.exp(s * X[:, 0]) - 1.0) / (ratio - 1.0)
+    return dataclasses.replace(mesh, vertices=X, is_lattice=False)
+
+
+def test_pairs_of_lengths_are_those_of_a_brute_force_search() -> None:
+    random = np.random.default_rng(0)
+    points, particles = random.uniform(size=(40, 3)), random.uniform(size=(60, 3))
+    here, there = random.uniform(0.1, 0.5, 40), random.uniform(0.1, 0.5, 60)
+    pairs = pairs_of_lengths(points, particles, here, there)
+    distance = np.linalg.norm(points[:, None] - particles, axis=2)
+    row, column = np.nonzero(distance < 0.5 * (here[:, None] + there))
+    np.testing.assert_array_equal(pairs.row_of_pair, row)
+    np.testing.assert_array_equal(pairs.indices, column)
+
+
+def test_equal_lengths_give_the_pairs_of_one_length() -> None:
+    X = Box(jitter=0.4).mesh(0.25).vertices
+    equal = pairs_of_lengths(X, X, np.full(len(X), 0.5), np.full(len(X), 0.5))
+    one = pairs_within(X, X, 0.5)
+    np.testing.assert_array_equal(equal.indptr, one.indptr)
+    np.testing.assert_array_equal(equal.indices, one.indices)
+
+
+def test_a_mesh_that_is_not_graded_has_one_length() -> None:
+    for body in (Box(), Box(jitter=0.4)):
+        assert isinstance(lengths_of(body.mesh(0.25), 1.0), Uniform)
+    lengths = lengths_of(graded(), 1.0)
+    assert isinstance(lengths, Local)
+    assert np.max(lengths.spacing) > 1.6 * np.min(lengths.spacing)
+
+
+def test_flat_cells_reach_sideways() -> None:
+    mesh = Box(upper=(1.0, 1.0, 0.25)).mesh(0.25)
+    flat = dataclasses.replace(mesh, vertices=mesh.vertices * [1.0, 1.0, 0.4], is_lattice=False)
+    assert np.all(widest_spacing(flat) > 0.25)
+
+
+@pytest.mark.parametrize("operator", [sph.Literal(), sph.Consistent(), sph.SummationByParts()])
+def test_every_operator_keeps_its_identities_on_a_graded_cloud(operator: object) -> None:
+    cloud = build_cloud(
+        graded(),
+        smoothing=sph.WendlandC2(),
+        h_over_dx=1.1,
+        operator=operator,  # type: ignore[arg-type]
+    )
+    report = consistency_report(cloud, 1.0)
+    assert max(report.C0, report.C1) < 1e-11
+    if not isinstance(operator, sph.Literal):
+        assert report.D0 < 1e-11
+    if isinstance(operator, sph.SummationByParts):
+        assert report.SBP < 1e-5
+    q = build_secondary(cloud, sph.H1())
+    weight = q.sample[:, 3]
+    total = np.add.reduceat(weight[:, None] * cloud.X[q.pairs.indices], q.pairs.indptr[:-1])
+    np.testing.assert_allclose(total, q.X, atol=1e-12)
