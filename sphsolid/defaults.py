@@ -9,8 +9,8 @@ Every value comes from a study that can be run again; ``docs/stability.md`` has 
   modes of free blocks grow tenfold in more than 1000 steps); ``plan()`` prints the limits,
   ``cfl="auto"`` takes nine tenths of them.
 * **h/dx**: the smallest support is the most accurate one that is solvable: 19 neighbours on a
-  lattice (``studies.operators``, ``studies.stability``).  Elsewhere 1.0: with less, few and chance
-  neighbours make summation by parts hard to solve for.
+  lattice (``studies.operators``, ``studies.stability``).  1.0 for summation by parts: with less,
+  few and chance neighbours make it hard to solve for.
 * **Operator**: ``Consistent`` on a lattice; on any other cloud ``SummationByParts``, the one that
   is second order there (``studies.convergence --cloud``).
 * **SelfAdjoint weighting**: ``D(p)`` as printed makes energy when ``tau_F`` is longer than about
@@ -43,9 +43,10 @@ from sphsolid.scheme.tvd_rk2 import TVDRK2
 
 Integrator = TVDRK2 | SSPRK3 | PositionVerlet
 
-#: Smoothing length over spacing (Wendland C2: support 1.54 and 2 spacings).
+#: Smoothing length over spacing (Wendland C2: support 1.54, 1.8 and 2 spacings).
 H_OVER_DX_LATTICE = 0.77
-H_OVER_DX_DISORDERED = 1.0
+H_OVER_DX_DISORDERED = 0.9
+H_OVER_DX_BY_PARTS = 1.0
 
 #: Poisson's ratio from which ``tau_p`` is used.
 NEARLY_INCOMPRESSIBLE = 0.49
@@ -83,9 +84,12 @@ def default_operator(mesh: Mesh) -> OperatorKind:
     return Consistent() if mesh.is_lattice else SummationByParts()
 
 
-def default_h_over_dx(mesh: Mesh) -> float:
+def default_h_over_dx(mesh: Mesh, operator: OperatorKind) -> float:
     """Smoothing length over spacing."""
-    return H_OVER_DX_LATTICE if mesh.is_lattice else H_OVER_DX_DISORDERED
+    if mesh.is_lattice:
+        return H_OVER_DX_LATTICE
+    by_parts = isinstance(operator, SummationByParts)
+    return H_OVER_DX_BY_PARTS if by_parts else H_OVER_DX_DISORDERED
 
 
 def poisson_ratio(material: Any) -> float:

@@ -104,12 +104,14 @@ class Simulation:
             cfl = largest_stable_cfl(self.integrator, self.formulation, scene.material)
         cfl = default_cfl(self.integrator) if cfl is None else cfl
         check_cfl(cfl)
+        if stabilisation is not None:
+            check_pair(self.formulation, stabilisation)
         mesh = scene.body.mesh(spacing)
         if stabilisation is None:
             stabilisation = default_stabilisation(
                 self.formulation, scene.material, cfl, default_secondary(mesh)
             )
-        check_pair(self.formulation, stabilisation)
+            check_pair(self.formulation, stabilisation)
         self.stabilisation: Stabilisation = stabilisation
         if smoothing is not None and not hasattr(smoothing, "slope"):
             raise InputError(
@@ -120,7 +122,7 @@ class Simulation:
         _known("angular_momentum", angular_momentum, LocalProjection, NoProjection)
         _known("initial_strain", initial_strain, Compatible, Given)
         self.operator: OperatorKind = default_operator(mesh) if operator is None else operator
-        h_over_dx = default_h_over_dx(mesh) if h_over_dx is None else h_over_dx
+        h_over_dx = default_h_over_dx(mesh, self.operator) if h_over_dx is None else h_over_dx
         self.angular_momentum = (
             LocalProjection() if angular_momentum is None else angular_momentum
         )

@@ -38,8 +38,9 @@ def built(cells: int, operator: OperatorKind) -> tuple[Cloud, float]:
     """A cloud and the seconds it took, mesh excluded."""
     mesh = Box(jitter=JITTER, seed=1).mesh(1.0 / cells)
     started = time.perf_counter()
+    h_over_dx = default_h_over_dx(mesh, operator)
     cloud = build_cloud(
-        mesh, smoothing=sph.WendlandC2(), h_over_dx=default_h_over_dx(mesh), operator=operator
+        mesh, smoothing=sph.WendlandC2(), h_over_dx=h_over_dx, operator=operator
     )
     return cloud, time.perf_counter() - started
 

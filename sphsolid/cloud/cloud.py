@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from sphsolid.cloud.boundary_weights import quadratically_exact_areas
 from sphsolid.cloud.consistent import divergence_defect
 from sphsolid.cloud.gradient import (
     corrected_gradient,
@@ -61,21 +62,11 @@ class Cloud:
         return self.lengths.h_over_dx * self.spacing
 
     def areas_of(self, face: str) -> Array:
-        """Area vectors of a tag ``(N, 3)`` [m^2]; those of all tags add up to :attr:`areas`.
-
-        Where ``areas`` differ from the integrals over the mesh, the difference at a particle is
-        shared among its tags by their areas.
-        """
-        whole = area_vectors(self.mesh, self.mesh.boundary)
+        """Area vectors of a tag ``(N, 3)`` [m^2]; those of all tags add up to :attr:`areas`."""
         part = area_vectors(self.mesh, self.mesh.face(face))
-        sizes = [
-            np.linalg.norm(area_vectors(self.mesh, facets), axis=1)
-            for facets in self.mesh.faces.values()
-        ]
-        total = np.sum(sizes, axis=0)
-        size = np.linalg.norm(part, axis=1)
-        share = np.divide(size, total, out=np.zeros_like(size), where=total > 0.0)
-        return part + share[:, None] * (self.areas - whole)
+        if np.array_equal(self.areas, area_vectors(self.mesh, self.mesh.boundary)):
+            return part
+        return quadratically_exact_areas(self.mesh)[face]
 
     @property
     def spacing(self) -> float:

@@ -196,7 +196,7 @@ class SummationByParts:
     def build(self, cloud: Ingredients) -> Gradients:
         """Solve for the pair; raises ``InputError`` where none exists."""
         X = cloud.mesh.vertices
-        areas = quadratically_exact_areas(cloud.mesh)
+        areas = np.sum(list(quadratically_exact_areas(cloud.mesh).values()), axis=0)
         base = _base(self.gradient, cloud)
         found = skew_gradient(
             base,

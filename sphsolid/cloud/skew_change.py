@@ -39,7 +39,7 @@ MOST_COARSE = 4000
 #: A residual that has grown this much says that there is no solution.
 HOPELESS = 1.0e8
 #: Particles whose pairs are summed into the coarse matrix; a preconditioner needs no more.
-MOST_SAMPLED = 40_000
+MOST_SAMPLED = 10_000
 
 
 @dataclass(frozen=True)
@@ -84,12 +84,12 @@ class SkewProblem:
         return out
 
     def coarse(self, splines: Splines) -> Array:
-        """The matrix on the coarse space, from the pairs of some particles ``(size, size)``."""
+        """Lower half of the matrix on the coarse space, from the pairs of some particles."""
         stride = -(-self.pairs.rows // MOST_SAMPLED)
         out = np.zeros((splines.size, splines.size))
         _coarse(
-            *self._arrays, self.epsilon, splines.cell, splines.N, splines.D, splines.E,
-            splines.shape, stride, out,
+            *self._arrays, self.epsilon, splines.order, splines.cell, splines.N, splines.D,
+            splines.E, splines.shape, stride, out,
         )
         return out
 
@@ -276,12 +276,14 @@ def _change(indptr, indices, X, scale, w, given, out):  # type: ignore[no-untype
 
 @serial_kernel
 def _coarse(  # type: ignore[no-untyped-def]
-    indptr, indices, X, scale, w, epsilon, cell, N, D, E, shape, stride, out
+    indptr, indices, X, scale, w, epsilon, order, cell, N, D, E, shape, stride, out
 ):
     columns = np.empty(128, dtype=np.int64)
     values = np.empty(128)
     bend = np.empty((64, 6))
-    for a in range(0, len(indptr) - 1, stride):
+    # Cell by cell, so that the rows of the matrix in use stay in the cache.
+    for place in range(0, len(order), stride):
+        a = order[place]
         for k in range(indptr[a], indptr[a + 1]):
             b = indices[k]
             if b == a:
@@ -290,7 +292,7 @@ def _coarse(  # type: ignore[no-untyped-def]
                 for m in range(6):
                     for i in range(64):
                         scaled = stride * epsilon[a] * bend[i, m]
-                        for j in range(64):
+                        for j in range(i + 1):
                             out[columns[i], columns[j]] += scaled * bend[j, m]
                 continue
             if stride == 1 and b < a:
@@ -308,12 +310,23 @@ def _coarse(  # type: ignore[no-untyped-def]
                 b, -x / q, -y / q, -z / q, -1.0, cell, N, D, E, shape, first, same, columns, values,
                 bend,
             )  # fmt: skip
-            count = first + 64
             weight = w[k] * (1.0 if stride == 1 else 0.5 * stride)
-            for i in range(count):
-                scaled = weight * values[i]
-                for j in range(count):
-                    out[columns[i], columns[j]] += scaled * values[j]
+            for begin in range(0, first + 1, 64):
+                for i in range(begin, begin + 64):
+                    scaled = weight * values[i]
+                    for j in range(begin, i + 1):
+                        out[columns[i], columns[j]] += scaled * values[j]
+            if not same:
+                for i in range(64):
+                    scaled = weight * values[i]
+                    for j in range(64, 128):
+                        high, low = columns[i], columns[j]
+                        if high == low:
+                            out[high, low] += 2.0 * scaled * values[j]
+                        elif high > low:
+                            out[high, low] += scaled * values[j]
+                        else:
+                            out[low, high] += scaled * values[j]
 
 
 @register_jitable

@@ -65,7 +65,9 @@ class Splines:
 
     def restrict(self, z: Array, out: Array) -> None:
         """The transpose: ``out (size, 3)`` from ``z (N, 10, 3)``."""
-        _restrict(self.order, self.start, self.cells, self.N, self.D, self.E, self.shape, z, out)
+        parts = np.empty((len(self.start) - 1, WIDTH**3, 3))
+        _restrict_cells(self.order, self.start, self.N, self.D, self.E, z, parts)
+        _gather_cells(self.cells, self.shape, parts, out)
 
     def quadratics(self) -> Array:
         """Orthonormal coefficients of the ten quadratics ``(size, 10)``.
@@ -108,26 +110,75 @@ def ten_values(n0, n1, n2, d0, d1, d2, e0, e1, e2):  # type: ignore[no-untyped-d
 
 @kernel
 def _prolong(cell, N, D, E, shape, coefficients, out):  # type: ignore[no-untyped-def]
+    # Axis by axis: b[p, q] holds derivatives p along axis 0 and q along axis 1 of one row.
     for a in prange(len(cell)):
-        for i in range(4):
-            for j in range(4):
-                row = ((cell[a, 0] + i) * shape[1] + cell[a, 1] + j) * shape[2] + cell[a, 2]
-                for k in range(4):
-                    v = ten_values(
-                        N[a, 0, i], N[a, 1, j], N[a, 2, k], D[a, 0, i], D[a, 1, j], D[a, 2, k],
-                        E[a, 0, i], E[a, 1, j], E[a, 2, k],
-                    )  # fmt: skip
-                    x0 = coefficients[row + k, 0]
-                    x1 = coefficients[row + k, 1]
-                    x2 = coefficients[row + k, 2]
-                    for m in range(10):
-                        out[a, m, 0] += v[m] * x0
-                        out[a, m, 1] += v[m] * x1
-                        out[a, m, 2] += v[m] * x2
+        for c in range(3):
+            s = np.zeros(10)
+            for k in range(4):
+                b00 = b10 = b20 = b01 = b11 = b02 = 0.0
+                for j in range(4):
+                    v = d = e = 0.0
+                    for i in range(4):
+                        row = ((cell[a, 0] + i) * shape[1] + cell[a, 1] + j) * shape[2]
+                        x = coefficients[row + cell[a, 2] + k, c]
+                        v += N[a, 0, i] * x
+                        d += D[a, 0, i] * x
+                        e += E[a, 0, i] * x
+                    b00 += N[a, 1, j] * v
+                    b10 += N[a, 1, j] * d
+                    b20 += N[a, 1, j] * e
+                    b01 += D[a, 1, j] * v
+                    b11 += D[a, 1, j] * d
+                    b02 += E[a, 1, j] * v
+                n, d2, e2 = N[a, 2, k], D[a, 2, k], E[a, 2, k]
+                s[0] += n * b00
+                s[1] += n * b10
+                s[2] += n * b01
+                s[3] += d2 * b00
+                s[4] += n * b20
+                s[5] += n * b02
+                s[6] += e2 * b00
+                s[7] += n * b11
+                s[8] += d2 * b10
+                s[9] += d2 * b01
+            out[a, 0, c] += s[0]
+            for m in range(1, 4):
+                out[a, m, c] += s[m] / 2.0
+            for m in range(4, 10):
+                out[a, m, c] += s[m] / 6.0
 
 
 @kernel
-def _restrict(order, start, cells, N, D, E, shape, z, out):  # type: ignore[no-untyped-def]
+def _restrict_cells(order, start, N, D, E, z, out):  # type: ignore[no-untyped-def]
+    """What the particles of every grid cell give to its 64 functions ``(cells, 64, 3)``."""
+    for box in prange(len(out)):
+        for f in range(64):
+            for c in range(3):
+                out[box, f, c] = 0.0
+        for at in range(start[box], start[box + 1]):
+            a = order[at]
+            for c in range(3):
+                for k in range(4):
+                    n, d, e = N[a, 2, k], D[a, 2, k] / 2.0, E[a, 2, k] / 6.0
+                    d3 = D[a, 2, k] / 6.0
+                    v = n * z[a, 0, c] + d * z[a, 3, c] + e * z[a, 6, c]
+                    v1 = n * z[a, 2, c] / 2.0 + d3 * z[a, 9, c]
+                    v11 = n * z[a, 5, c] / 6.0
+                    v0 = n * z[a, 1, c] / 2.0 + d3 * z[a, 8, c]
+                    v01 = n * z[a, 7, c] / 6.0
+                    v00 = n * z[a, 4, c] / 6.0
+                    for j in range(4):
+                        w = N[a, 1, j] * v + D[a, 1, j] * v1 + E[a, 1, j] * v11
+                        w0 = N[a, 1, j] * v0 + D[a, 1, j] * v01
+                        w00 = N[a, 1, j] * v00
+                        for i in range(4):
+                            out[box, (i * 4 + j) * 4 + k, c] += (
+                                N[a, 0, i] * w + D[a, 0, i] * w0 + E[a, 0, i] * w00
+                            )
+
+
+@kernel
+def _gather_cells(cells, shape, parts, out):  # type: ignore[no-untyped-def]
     for node in prange(len(out)):
         n2 = node % shape[2]
         n1 = (node // shape[2]) % shape[1]
@@ -139,16 +190,10 @@ def _restrict(order, start, cells, N, D, E, shape, z, out):  # type: ignore[no-u
             for j in range(max(0, n1 - cells[1] + 1), min(3, n1) + 1):
                 for k in range(max(0, n2 - cells[2] + 1), min(3, n2) + 1):
                     box = ((n0 - i) * cells[1] + n1 - j) * cells[2] + n2 - k
-                    for at in range(start[box], start[box + 1]):
-                        a = order[at]
-                        v = ten_values(
-                            N[a, 0, i], N[a, 1, j], N[a, 2, k], D[a, 0, i], D[a, 1, j], D[a, 2, k],
-                            E[a, 0, i], E[a, 1, j], E[a, 2, k],
-                        )  # fmt: skip
-                        for m in range(10):
-                            t0 += v[m] * z[a, m, 0]
-                            t1 += v[m] * z[a, m, 1]
-                            t2 += v[m] * z[a, m, 2]
+                    f = (i * 4 + j) * 4 + k
+                    t0 += parts[box, f, 0]
+                    t1 += parts[box, f, 1]
+                    t2 += parts[box, f, 2]
         out[node, 0] = t0
         out[node, 1] = t1
         out[node, 2] = t2
