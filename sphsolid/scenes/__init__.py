@@ -5,6 +5,7 @@ from sphsolid.scenes.bending_column import bending_column
 from sphsolid.scenes.cable import Pulse, Step, cable
 from sphsolid.scenes.constraint import Constraint, Fixed
 from sphsolid.scenes.l_shaped_block import l_shaped_block
+from sphsolid.scenes.plate_with_hole import SlowPull, gross_concentration, plate_with_hole
 from sphsolid.scenes.punch import HeldVelocity, InitialVelocity, punch
 from sphsolid.scenes.scene import FromGeometry, NoBodyForce, NoExactSolution, Scene, Traction
 from sphsolid.scenes.spinning_cube import spinning_cube
@@ -24,13 +25,16 @@ __all__ = [
     "Pulse",
     "Region",
     "Scene",
+    "SlowPull",
     "Step",
     "Tagged",
     "Traction",
     "amplitude_of_gradient",
     "bending_column",
     "cable",
+    "gross_concentration",
     "l_shaped_block",
+    "plate_with_hole",
     "punch",
     "spinning_cube",
     "swinging_cube",

@@ -117,20 +117,18 @@ def punch(
     end_time: float = 0.015,
     jitter: float = 0.0,
     seed: int = 0,
+    body: Body | None = None,
 ) -> Scene:
     """The block pressed by ``press`` (default ``InitialVelocity()``) with ``speed`` [m/s].
 
-    Raises ``InputError`` for a non-finite speed or a ``press`` that is not one of the options.
+    ``body``: the block ``[0, LENGTH] x [0, DEPTH] x [0, HEIGHT]`` with faces ``X- X+ Y- Y+ Z- Z+``
+    in another mesh or cloud than ``block(jitter=jitter, seed=seed)``.  Raises ``InputError`` for a
+    non-finite speed, a ``press`` that is not one of the options, a body of another volume, or a
+    body and a jitter.
     """
     press = InitialVelocity() if press is None else press
     require(math.isfinite(speed), f"punch: speed = {speed} m/s must be finite")
-    body: Body = Box(
-        (0.0, 0.0, 0.0),
-        (LENGTH, DEPTH, HEIGHT),
-        jitter=jitter,
-        seed=seed,
-        aspect=(1.0, 1.3, 1.0),
-    )
+    body = block(jitter=jitter, seed=seed) if body is None else _checked(body, jitter)
     if isinstance(press, InitialVelocity):
         initial, constraints = _inside(press, Downward(speed)), ROLLERS
     elif isinstance(press, HeldVelocity):
@@ -162,6 +160,32 @@ def punch(
             f"Not published: region and duration of the velocity; chosen: {press}."
         ),
     )
+
+
+def block(*, jitter: float = 0.0, seed: int = 0) -> Box:
+    """The undeformed block, for a lattice or, with ``jitter``, for disordered particles."""
+    return Box(
+        (0.0, 0.0, 0.0),
+        (LENGTH, DEPTH, HEIGHT),
+        jitter=jitter,
+        seed=seed,
+        aspect=(1.0, 1.3, 1.0),
+    )
+
+
+def _checked(body: Body, jitter: float) -> Body:
+    require(
+        jitter == 0.0,
+        f"punch: jitter = {jitter} is for the block of its own, and a body is given; disorder "
+        "that one",
+    )
+    wanted = block().volume
+    require(
+        math.isclose(body.volume, wanted, rel_tol=1.0e-6),
+        f"punch: the body holds {body.volume:.6g} m^3 and the block {wanted:g} m^3; give a mesh or "
+        f"cloud of the block, {LENGTH:g} x {DEPTH:g} x {HEIGHT:g} m from the origin (check units)",
+    )
+    return body
 
 
 def _inside(press: InitialVelocity, velocity: Downward) -> VectorField:

@@ -1,0 +1,1 @@
+"""Lattices, disorder, tetrahedra, files, points: one method on every kind of cloud."""

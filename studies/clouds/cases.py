@@ -1,0 +1,124 @@
+"""The swinging cube on one cloud at one level with one operator: the unit of work."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+import sphsolid as sph
+from sphsolid.cloud import OperatorKind
+from sphsolid.errors import Diverged
+from sphsolid.scenes import Scene, amplitude_of_gradient, swinging_cube
+from studies.clouds.choice import Cloud, Instance, cloud_of, label_of
+from studies.convergence.cases import (
+    FORMULATIONS,
+    LARGEST_GRADIENT,
+    LINEAR_AMPLITUDE,
+    period_errors_of,
+)
+
+OPERATORS: dict[str, OperatorKind] = {
+    "Literal": sph.Literal(),
+    "Consistent": sph.Consistent(),
+    "SummationByParts": sph.SummationByParts(),
+}
+
+
+def cube_on(instance: Instance, *, scene: str, family: str) -> Scene:
+    """The swinging cube with the particles of a cloud."""
+    manufactured = scene == "manufactured"
+    amplitude = (
+        amplitude_of_gradient(family, LARGEST_GRADIENT)  # type: ignore[arg-type]
+        if manufactured
+        else LINEAR_AMPLITUDE
+    )
+    problem = swinging_cube(
+        family=family,  # type: ignore[arg-type]
+        amplitude=amplitude,
+        manufactured=manufactured,
+    )
+    return replace(problem, body=instance.body)
+
+
+def operator_of(name: str, epsilon: float = 0.0) -> OperatorKind:
+    """By name; a positive ``epsilon`` is that of ``SummationByParts``."""
+    return sph.SummationByParts(epsilon=epsilon) if epsilon > 0.0 else OPERATORS[name]
+
+
+def about_the_set_up(sim: sph.Simulation) -> dict[str, Any]:
+    """What a set-up gave: particles, neighbours, residuals, size of the change, effort."""
+    counts = np.diff(sim.cloud.pairs.indptr)
+    found = sim.consistency
+    return {
+        "particles": sim.cloud.size,
+        "secondary": 0 if sim.secondary is None else len(sim.secondary.V),
+        "neighbours": float(counts.mean()) - 1.0,
+        "least_neighbours": int(counts.min()) - 1,
+        "h_min_over_dx": sim.cloud.h_min / sim.cloud.spacing,
+        "change": sim.cloud.change,
+        "iterations": sim.cloud.iterations,
+        "C0": found.C0,
+        "C1": found.C1,
+        "D0": found.D0,
+        "SBP": found.SBP,
+        "volume": found.volume,
+        "setup_s": sim.setup_seconds,
+    }
+
+
+def cube(
+    *,
+    cloud: str,
+    level: int,
+    operator: str,
+    runs: list[list[str]],
+    epsilon: float = 0.0,
+    h_over_dx: float = 0.0,
+    variant: str = "",
+) -> list[dict[str, Any]]:
+    """Rows of every run ``[scene, family, formulation]``: set-up once, then twelve errors each.
+
+    Package defaults but for the operator, and ``epsilon`` and ``h_over_dx`` where positive.
+    """
+    chosen: Cloud = cloud_of(cloud)
+    instance = chosen.at(level)
+    common = {
+        "cloud": label_of(cloud), "operator": operator, "variant": variant, "h": instance.h,
+    }  # fmt: skip
+    rows: list[dict[str, Any]] = []
+    for scene, family, formulation in runs:
+        sim = sph.Simulation(
+            cube_on(instance, scene=scene, family=family),
+            spacing=instance.spacing,
+            formulation=FORMULATIONS[formulation](),
+            operator=operator_of(operator, epsilon),
+            h_over_dx=h_over_dx or None,
+        )
+        if not rows:
+            # Later set-ups read the operator from the disk: the first tells what it costs.
+            rows.append(common | {"kind": "set-up"} | about_the_set_up(sim))
+        started = time.perf_counter()
+        setting = common | {"scene": scene, "family": family, "formulation": formulation}
+        try:
+            errors = period_errors_of(sim)
+        except Diverged as failure:
+            rows.append(setting | {"kind": "lost", "why": failure.reason, "steps": sim.step})
+            continue
+        run_s = time.perf_counter() - started
+        rows += [
+            setting
+            | {
+                "kind": "error",
+                "field": name.split("_")[0],
+                "component": name.split("_")[1],
+                "particles": sim.cloud.size,
+                "steps": sim.step,
+                "error": error,
+                "step_ms": 1.0e3 * run_s / sim.step,
+            }
+            for name, error in errors.items()
+        ]
+    return rows

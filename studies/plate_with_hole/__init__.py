@@ -1,0 +1,1 @@
+"""Plate with a hole from a mesh file: stress concentration against finite elements."""

@@ -1,0 +1,54 @@
+"""The plate study: recovery on Kirsch's field, the plane reference, verdicts."""
+
+from __future__ import annotations
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from sphsolid.geometry import AsMeshed, MeshFile
+from studies.plate_with_hole.cases import MESHES
+from studies.plate_with_hole.plane import plane_stress_over_pull
+from studies.plate_with_hole.recovery import at_cells, fitted
+from studies.plate_with_hole.verdicts import verdicts
+
+
+def kirsch(X, a=0.1):
+    """Stress ``(n, 3, 3)`` in an infinite plate pulled along Y by one."""
+    r, angle = np.hypot(X[:, 0], X[:, 1]), np.arctan2(X[:, 1], X[:, 0])
+    q, turn = (a / r) ** 2, 2.0 * (angle - 0.5 * np.pi)
+    rr = 0.5 * (1 - q) + 0.5 * (1 - 4 * q + 3 * q**2) * np.cos(turn)
+    tt = 0.5 * (1 + q) - 0.5 * (1 + 3 * q**2) * np.cos(turn)
+    rt = -0.5 * (1 + 2 * q - 3 * q**2) * np.sin(turn)
+    c, s = np.cos(angle), np.sin(angle)
+    R = np.stack([np.stack([c, -s], 1), np.stack([s, c], 1)], 1)
+    out = np.zeros((len(X), 3, 3))
+    polar = np.stack([np.stack([rr, rt], 1), np.stack([rt, tt], 1)], 1)
+    out[:, :2, :2] = R @ polar @ np.swapaxes(R, 1, 2)
+    return out
+
+
+@pytest.mark.parametrize(("name", "exact", "corners"), [("hex", 3.024, 3.022), ("tet", 3.0, 2.973)])
+def test_what_the_fit_makes_of_kirsch(name, exact, corners):
+    mesh = MeshFile(MESHES / f"plate_with_hole_{name}.msh").mesh(AsMeshed())
+    centre, edge = mesh.vertices[mesh.cells].mean(axis=1), np.array([[0.1, 0.0]])
+    assert fitted(centre, kirsch(centre), edge)[0, 1, 1] == pytest.approx(exact, abs=2e-3)
+    averaged = at_cells(kirsch(mesh.vertices), mesh.cells)
+    assert fitted(centre, averaged, edge)[0, 1, 1] == pytest.approx(corners, abs=2e-3)
+
+
+def test_the_plane_reference_converges_and_meets_kirsch_for_a_small_hole():
+    peaks = [plane_stress_over_pull(cells=n)[1][:, 1, 1].max() for n in (12, 24)]
+    assert peaks[1] == pytest.approx(peaks[0], rel=2e-3)
+    assert peaks[1] == pytest.approx(3.360, abs=5e-3)
+    wide = plane_stress_over_pull(cells=80, radius=0.02)[1][:, 1, 1].max()
+    assert wide == pytest.approx(3.0, rel=0.02)
+
+
+@pytest.mark.parametrize(("off", "met"), [(0.02, "met"), (-0.04, "not met")])
+def test_verdicts(off, met):
+    row = {"method": "SPH", "operator": "o", "mesh": "hex", "thickness": "free"}
+    values = {"against_fit": off, "against_particles": np.nan, "against_highest": np.nan,
+              "against_ring": np.nan}  # fmt: skip
+    found = verdicts({"table": pd.DataFrame([row | values])})
+    assert found["met"].tolist() == [met]
