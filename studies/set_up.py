@@ -31,7 +31,10 @@ from studies.harness.provenance import describe_run
 
 #: Box(jitter=j) moves by at most j/2 of the spacing a component.
 JITTER = 0.4
-OPERATORS: tuple[OperatorKind, ...] = (sph.Consistent(), sph.SummationByParts())
+OPERATORS: dict[str, OperatorKind] = {
+    "Consistent": sph.Consistent(),
+    "SummationByParts": sph.SummationByParts(),
+}
 
 
 def built(cells: int, operator: OperatorKind) -> tuple[Cloud, float]:
@@ -66,6 +69,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Print and write the table."""
     parser = argparse.ArgumentParser(prog="python -m studies.set_up", description=__doc__)
     parser.add_argument("--cells", type=int, nargs="+", default=[16, 32, 64])
+    parser.add_argument("--operators", nargs="+", choices=OPERATORS, default=list(OPERATORS))
     parser.add_argument("--out", type=Path, default=Path("reports/set_up"))
     options = parser.parse_args(arguments)
     try:
@@ -74,11 +78,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
         print(f"error: {error}", file=sys.stderr)
         return 2
     started = time.perf_counter()
-    for operator in OPERATORS:  # Compiles, so that no line below does.
+    operators = [OPERATORS[name] for name in options.operators]
+    for operator in operators:  # Compiles, so that no line below does.
         built(6, operator)
     rows: list[dict[str, Any]] = []
     options.out.mkdir(parents=True, exist_ok=True)
-    for operator in OPERATORS:
+    for operator in operators:
         for cells in sorted(options.cells):
             found = row(cells, operator)
             before = next((r for r in reversed(rows) if r["operator"] == operator.name), None)
