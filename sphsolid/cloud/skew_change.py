@@ -38,8 +38,9 @@ COARSE_SPACINGS = 3.0
 MOST_COARSE = 4000
 #: A residual that has grown this much says that there is no solution.
 HOPELESS = 1.0e8
-#: Particles whose pairs are summed into the coarse matrix; a preconditioner needs no more.
-MOST_SAMPLED = 10_000
+#: Particles whose pairs are summed into the coarse matrix: with a quarter of them on 33^3 particles
+#: the iterations rise by two thirds.
+MOST_SAMPLED = 40_000
 
 
 @dataclass(frozen=True)
