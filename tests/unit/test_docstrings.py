@@ -14,7 +14,7 @@ PACKAGES = ("sphsolid", "fem_reference", "studies")
 BIBLIOGRAPHY = ROOT / "docs" / "references.bib"
 #: ``[Lee2017]``, also in ``[Lee2017 section 8.1]`` and ``[Hughes1980; Simo1985]``.
 CITED = re.compile(r"\[([^\[\]]*)\]")
-KEY = re.compile(r"\b([A-Z][A-Za-z]+(?:19|20)\d\d[a-z]?)\b")
+KEY = re.compile(r"\b([A-Z][A-Za-z]+(?:18|19|20)\d\d[a-z]?)\b")
 
 Documented = ast.Module | ast.ClassDef | ast.FunctionDef | ast.AsyncFunctionDef
 
