@@ -16,6 +16,9 @@ BIBLIOGRAPHY = ROOT / "docs" / "references.bib"
 CITED = re.compile(r"\[([^\[\]]*)\]")
 KEY = re.compile(r"\b([A-Z][A-Za-z]+(?:18|19|20)\d\d[a-z]?)\b")
 
+#: What an article has beside author and title.
+ARTICLE = ("journal", "volume", "pages")
+
 Documented = ast.Module | ast.ClassDef | ast.FunctionDef | ast.AsyncFunctionDef
 
 
@@ -92,7 +95,8 @@ def test_the_bibliography_is_sound():
         year = re.search(r"year\s*=\s*\{(\d{4})\}", block)
         assert year, key
         assert year.group(1) in key
-        for field in ("author", "title", "journal", "volume", "pages"):
+        book = block.startswith("book")
+        for field in ("author", "title", *(("publisher",) if book else ARTICLE)):
             assert re.search(rf"^\s*{field}\s*=", block, re.M), (key, field)
         assert block.count("{") == block.count("}"), f"{key}: braces do not match"
 
