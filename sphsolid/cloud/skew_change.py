@@ -174,6 +174,12 @@ class _Preconditioner:
         return out
 
 
+@register_jitable
+def _monomials(x, y, z):  # type: ignore[no-untyped-def]
+    """``psi``: the ten monomials of an offset in units of the spacing."""
+    return (1.0, x, y, z, 0.5 * x * x, 0.5 * y * y, 0.5 * z * z, x * y, x * z, y * z)
+
+
 @kernel
 def _times_blocks(inverse, z, out):  # type: ignore[no-untyped-def]
     for a in prange(len(z)):
@@ -201,7 +207,7 @@ def _row_moments(indptr, indices, X, scale, A, out):  # type: ignore[no-untyped-
             x = (X[b, 0] - X[a, 0]) / scale[a]
             y = (X[b, 1] - X[a, 1]) / scale[a]
             z = (X[b, 2] - X[a, 2]) / scale[a]
-            psi = (1.0, x, y, z, 0.5 * x * x, 0.5 * y * y, 0.5 * z * z, x * y, x * z, y * z)
+            psi = _monomials(x, y, z)
             for i in range(10):
                 for c in range(3):
                     out[a, i, c] += psi[i] * A[k, c]
@@ -219,7 +225,7 @@ def _blocks(indptr, indices, X, scale, w, epsilon, out):  # type: ignore[no-unty
                 x = (X[b, 0] - X[a, 0]) / scale[a]
                 y = (X[b, 1] - X[a, 1]) / scale[a]
                 z = (X[b, 2] - X[a, 2]) / scale[a]
-                psi = (1.0, x, y, z, 0.5 * x * x, 0.5 * y * y, 0.5 * z * z, x * y, x * z, y * z)
+                psi = _monomials(x, y, z)
                 for i in range(10):
                     for j in range(10):
                         out[a, i, j] += w[k] * psi[i] * psi[j]
@@ -236,8 +242,8 @@ def _apply(indptr, indices, X, scale, w, epsilon, given, out):  # type: ignore[n
             dx, dy, dz = X[b, 0] - X[a, 0], X[b, 1] - X[a, 1], X[b, 2] - X[a, 2]
             x, y, z = dx / scale[a], dy / scale[a], dz / scale[a]
             u, v, t = -dx / scale[b], -dy / scale[b], -dz / scale[b]
-            psi = (1.0, x, y, z, 0.5 * x * x, 0.5 * y * y, 0.5 * z * z, x * y, x * z, y * z)
-            chi = (1.0, u, v, t, 0.5 * u * u, 0.5 * v * v, 0.5 * t * t, u * v, u * t, v * t)
+            psi = _monomials(x, y, z)
+            chi = _monomials(u, v, t)
             d0 = 0.0
             d1 = 0.0
             d2 = 0.0
@@ -266,8 +272,8 @@ def _change(indptr, indices, X, scale, w, given, out):  # type: ignore[no-untype
             dx, dy, dz = X[b, 0] - X[a, 0], X[b, 1] - X[a, 1], X[b, 2] - X[a, 2]
             x, y, z = dx / scale[a], dy / scale[a], dz / scale[a]
             u, v, t = -dx / scale[b], -dy / scale[b], -dz / scale[b]
-            psi = (1.0, x, y, z, 0.5 * x * x, 0.5 * y * y, 0.5 * z * z, x * y, x * z, y * z)
-            chi = (1.0, u, v, t, 0.5 * u * u, 0.5 * v * v, 0.5 * t * t, u * v, u * t, v * t)
+            psi = _monomials(x, y, z)
+            chi = _monomials(u, v, t)
             for c in range(3):
                 d = 0.0
                 for i in range(10):
@@ -335,7 +341,7 @@ def _side(  # type: ignore[no-untyped-def]
     p, x, y, z, sign, cell, N, D, E, shape, entry, adds, columns, values, bend
 ):
     """``sign psi . l_p`` of the 64 splines that reach particle ``p``, and their curvatures."""
-    psi = (1.0, x, y, z, 0.5 * x * x, 0.5 * y * y, 0.5 * z * z, x * y, x * z, y * z)
+    psi = _monomials(x, y, z)
     spline = 0
     for i in range(4):
         for j in range(4):
