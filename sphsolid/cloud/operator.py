@@ -173,9 +173,9 @@ class SummationByParts:
     ``tolerance`` of the solver relative to the first defect.
     """
 
-    epsilon: float = 0.1
+    epsilon: float = 0.02
     weight_exponent: float = 0.25
-    tolerance: float = 1.0e-6
+    tolerance: float = 1.0e-3
     gradient: GradientKind = "corrected_kernel"
 
     def __post_init__(self) -> None:
@@ -185,7 +185,7 @@ class SummationByParts:
             and 1.0e-12 <= self.tolerance <= 1.0e-2,
             f"SummationByParts: epsilon = {self.epsilon} must be positive, weight_exponent = "
             f"{self.weight_exponent} not negative, tolerance = {self.tolerance} within "
-            "[1e-12, 1e-2]; 0.1, 0.25 and 1e-6 are the defaults",
+            "[1e-12, 1e-2]; 0.02, 0.25 and 1e-3 are the defaults",
         )
 
     @property

@@ -32,14 +32,16 @@ from numpy.typing import NDArray
 from sphsolid.cloud.consistent import least_change
 from sphsolid.cloud.gradient import offsets, row_sum
 from sphsolid.cloud.neighbours import PairList, transposed
-from sphsolid.cloud.skew_change import SkewProblem, solve
+from sphsolid.cloud.skew_change import solve
+from sphsolid.cloud.skew_problem import SkewProblem
 from sphsolid.errors import InputError
 
 Array = NDArray[np.float64]
 #: Least weight of a pair at the edge of the support, so that every pair can take part.
 LEAST_SHARE = 1.0e-3
-#: What the solver may leave, over the tolerance, before the pair is refused.
-SLACK = 1.0e3
+#: What the solver may leave of the row conditions, relative to what they were, before the pair is
+#: refused.
+MOST_LEFT = 1.0e-2
 
 
 @dataclass(frozen=True)
@@ -87,7 +89,7 @@ def skew_gradient(
         target[:, 1 + d, d] = V / scale
     right = target - problem.row_moments(skew + half_B)
     found = solve(problem, right, tolerance=tolerance, most_iterations=most_iterations)
-    if not found.remainder <= SLACK * tolerance:
+    if not found.remainder <= max(tolerance, MOST_LEFT):
         raise InputError(
             "no gradient that sums by parts was found: the row conditions are violated by "
             f"{found.remainder:.2g} of what they were after {found.iterations} iterations; the "

@@ -7,7 +7,8 @@ import pytest
 
 import sphsolid as sph
 from sphsolid.cloud.lengths import Uniform
-from sphsolid.cloud.skew_change import SkewProblem
+from sphsolid.cloud.skew_problem import SkewProblem
+from sphsolid.cloud.spline_matrix import spline_matrix
 from sphsolid.cloud.spline_space import Splines
 from sphsolid.geometry import Box
 
@@ -79,7 +80,7 @@ def test_the_quadratics_are_in_the_space(splines: Splines) -> None:
 
 def test_the_coarse_matrix_is_the_one_of_the_system(splines: Splines, problem: SkewProblem) -> None:
     """``P^T K P`` column by column."""
-    lower = np.tril(problem.coarse(splines))
+    lower = np.tril(spline_matrix(problem, splines))
     matrix = lower + np.tril(lower, -1).T
     random = np.random.default_rng(3)
     c = random.normal(size=(splines.size, 3))

@@ -34,7 +34,7 @@ def cloud_of(body: Any, spacing: float = 0.2, **options: Any) -> Cloud:
         body.mesh(spacing),
         smoothing=sph.WendlandC2(),
         h_over_dx=1.0,
-        operator=sph.SummationByParts(**options),
+        operator=sph.SummationByParts(**({"tolerance": 1.0e-6} | options)),
     )
 
 
