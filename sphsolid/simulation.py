@@ -21,6 +21,7 @@ from sphsolid.defaults import (
     Integrator,
     default_cfl,
     default_h_over_dx,
+    default_initial_strain,
     default_integrator,
     default_operator,
     default_stabilisation,
@@ -41,8 +42,9 @@ from sphsolid.record.snapshot import Snapshot
 from sphsolid.record.vtu import write_vtu
 from sphsolid.scenes.scene import FromGeometry, Scene
 from sphsolid.scheme.boundary import EssentialConditions, Loads
+from sphsolid.scheme.equilibrium import equilibrated
 from sphsolid.scheme.formulation import Formulation
-from sphsolid.scheme.initial_strain import Compatible, Given, InitialStrain
+from sphsolid.scheme.initial_strain import Compatible, Equilibrated, Given, InitialStrain
 from sphsolid.scheme.position_verlet import PositionVerlet
 from sphsolid.scheme.power import TERMS, Account
 from sphsolid.scheme.projection import (
@@ -120,7 +122,7 @@ class Simulation:
             )
         _known("operator", operator, Literal, Consistent, SummationByParts)
         _known("angular_momentum", angular_momentum, LocalProjection, NoProjection)
-        _known("initial_strain", initial_strain, Compatible, Given)
+        _known("initial_strain", initial_strain, Compatible, Given, Equilibrated)
         self.operator: OperatorKind = default_operator(mesh) if operator is None else operator
         h_over_dx = default_h_over_dx(mesh, self.operator) if h_over_dx is None else h_over_dx
         self.angular_momentum = (
@@ -187,10 +189,19 @@ class Simulation:
                 "initial_deformation_gradient and a formulation that evolves F; "
                 "use Compatible()"
             )
+        if isinstance(asked, Equilibrated) and not (stated and self.cloud.is_adjoint):
+            raise InputError(
+                "initial_strain = Equilibrated() needs a scene that states its "
+                "initial_deformation_gradient and an operator whose force and gradient are "
+                "adjoint; use Compatible()"
+            )
         if asked is not None:
             return asked
-        adjoint = self.cloud.is_adjoint
-        return Given() if stated and self.formulation.evolves_F and not adjoint else Compatible()
+        if not stated:
+            return Compatible()
+        return default_initial_strain(
+            self.operator, self.formulation, adjoint=self.cloud.is_adjoint
+        )
 
     def _initial_state(self, essential: EssentialConditions) -> State:
         cloud, f = self.cloud, self.formulation
@@ -200,19 +211,38 @@ class Simulation:
         x = cloud.X + u
         state = State.zeros(cloud.size, f, particle_major=cloud.particle_major)
         F = state.F
-        given = self.scene.initial_deformation_gradient
-        if isinstance(self.initial_strain, Given) and not isinstance(given, FromGeometry):
-            stated = np.asarray(given(cloud.X), dtype=float)
-            if stated.shape != F.shape:
-                raise InputError(
-                    f"scene {self.scene.name!r}: initial_deformation_gradient returned shape "
-                    f"{stated.shape}, expected {F.shape}"
-                )
-            F[:] = stated
+        if isinstance(self.initial_strain, Given):
+            F[:] = self._stated_strain()
         else:
             self._rhs.kinematic_gradient(x, 1.0, F)
+            if isinstance(self.initial_strain, Equilibrated):
+                self._check_fibre_map(F)
+                x = equilibrated(self._rhs, x, self._stated_strain())
+                self._rhs.kinematic_gradient(x, 1.0, F)
+        self._check_fibre_map(F)
         entries = split(F)
-        detF = np.asarray(determinant(entries))
+        state.p[:], state.x[:] = p, x
+        if f.evolves_H:
+            state.H[:] = join(cofactor(entries))
+        if f.evolves_J:
+            state.J[:] = determinant(entries)
+        return state
+
+    def _stated_strain(self) -> np.ndarray:
+        given = self.scene.initial_deformation_gradient
+        assert not isinstance(given, FromGeometry)
+        stated = np.asarray(given(self.cloud.X), dtype=float)
+        expected = (self.cloud.size, 3, 3)
+        if stated.shape != expected:
+            raise InputError(
+                f"scene {self.scene.name!r}: initial_deformation_gradient returned shape "
+                f"{stated.shape}, expected {expected}"
+            )
+        self._check_fibre_map(stated)
+        return stated
+
+    def _check_fibre_map(self, F: np.ndarray) -> None:
+        cloud, detF = self.cloud, np.asarray(determinant(split(F)))
         invalid = np.flatnonzero(~(detF > 0.0))
         if len(invalid):
             a = int(invalid[0])
@@ -222,12 +252,6 @@ class Simulation:
                 f"{cloud.X[a].tolist()} m (det F = {detF[a]:.3g}); reduce the initial "
                 "displacement or correct the initial deformation gradient"
             )
-        state.p[:], state.x[:] = p, x
-        if f.evolves_H:
-            state.H[:] = join(cofactor(entries))
-        if f.evolves_J:
-            state.J[:] = determinant(entries)
-        return state
 
     def stable_time_step(self) -> float:
         """Largest step allowed now [s]; raises ``Diverged`` when the state is invalid."""

@@ -34,7 +34,7 @@ from sphsolid.compiled import kernel, prange
 Array = NDArray[np.float64]
 #: The coarse grid is this many spacings wide, or wider, so that it has no more functions than ...
 COARSE_SPACINGS = 3.0
-MOST_COARSE = 4500
+MOST_COARSE = 10_000
 #: A residual that has grown this much says that there is no solution.
 HOPELESS = 1.0e8
 

@@ -1,7 +1,7 @@
 """The method of the paper, sections 3 to 6: one idea a file."""
 
 from sphsolid.scheme.formulation import PF, PFHJ, PFJ, PJ, Displacement, Formulation
-from sphsolid.scheme.initial_strain import Compatible, Given, InitialStrain
+from sphsolid.scheme.initial_strain import Compatible, Equilibrated, Given, InitialStrain
 from sphsolid.scheme.position_verlet import PositionVerlet
 from sphsolid.scheme.projection import LocalProjection, NoProjection
 from sphsolid.scheme.ssp_rk3 import SSPRK3
@@ -29,6 +29,7 @@ __all__ = [
     "Compatible",
     "Displacement",
     "Formulation",
+    "Equilibrated",
     "FullHessian",
     "Given",
     "InitialStrain",
