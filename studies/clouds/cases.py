@@ -43,9 +43,17 @@ def cube_on(instance: Instance, *, scene: str, family: str) -> Scene:
     return replace(problem, body=instance.body)
 
 
-def operator_of(name: str, epsilon: float = 0.0) -> OperatorKind:
-    """By name; a positive ``epsilon`` is that of ``SummationByParts``."""
-    return sph.SummationByParts(epsilon=epsilon) if epsilon > 0.0 else OPERATORS[name]
+STARTS: dict[str, Any] = {
+    "": None, "compatible": sph.Compatible(), "given": sph.Given(),
+    "equilibrated": sph.Equilibrated(),
+}  # fmt: skip
+
+
+def operator_of(name: str, epsilon: float = 0.0, tolerance: float = 0.0) -> OperatorKind:
+    """By name; positive ``epsilon`` and ``tolerance`` are those of ``SummationByParts``."""
+    changed = {"epsilon": epsilon, "tolerance": tolerance}
+    changed = {what: value for what, value in changed.items() if value > 0.0}
+    return sph.SummationByParts(**changed) if changed else OPERATORS[name]
 
 
 def about_the_set_up(sim: sph.Simulation) -> dict[str, Any]:
@@ -76,12 +84,14 @@ def cube(
     operator: str,
     runs: list[list[str]],
     epsilon: float = 0.0,
+    tolerance: float = 0.0,
     h_over_dx: float = 0.0,
+    start: str = "",
     variant: str = "",
 ) -> list[dict[str, Any]]:
     """Rows of every run ``[scene, family, formulation]``: set-up once, then twelve errors each.
 
-    Package defaults but for the operator, and ``epsilon`` and ``h_over_dx`` where positive.
+    Package defaults but for the operator, what is positive, and ``start`` (of the strain) if any.
     """
     chosen: Cloud = cloud_of(cloud)
     instance = chosen.at(level)
@@ -94,8 +104,9 @@ def cube(
             cube_on(instance, scene=scene, family=family),
             spacing=instance.spacing,
             formulation=FORMULATIONS[formulation](),
-            operator=operator_of(operator, epsilon),
+            operator=operator_of(operator, epsilon, tolerance),
             h_over_dx=h_over_dx or None,
+            initial_strain=STARTS[start],
         )
         if not rows:
             # Later set-ups read the operator from the disk: the first tells what it costs.

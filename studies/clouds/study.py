@@ -35,7 +35,7 @@ COMPARED = {
 }
 #: Last level of the other operators, and the clouds of the short form.
 OTHERS_LAST, SHORT_FORM = 16, ("lattice", "jitter:0.4", "tet")
-EPSILONS = (1.0e3, 1.0, 0.1, 0.01)
+EPSILONS = (1.0e3, 1.0, 0.1, 0.02, 0.01)
 SUPPORTS = (0.9, 1.0, 1.1, 1.2)
 #: Relative cost of a set-up at the same number of particles.
 _SET_UP = {"Literal": 0.1, "Consistent": 0.6, "SummationByParts": 6.0}
@@ -47,7 +47,7 @@ def _cube(
     operator: str,
     runs: Sequence[tuple[str, str, str]],
     variant: str = "",
-    **options: float,
+    **options: float | str,
 ) -> Case:
     cells = cloud_of(cloud).cells(level)
     step = "" if cloud.startswith("points") else f" level {level}"
@@ -100,7 +100,9 @@ def _comparison(options: argparse.Namespace) -> Iterator[Case]:
 def _variants(quick: bool) -> Iterator[Case]:
     """One choice inside ``SummationByParts`` changed at a time, on ``jitter:0.4``."""
     runs = [("linear", "A+B+C=0", "{p,F}")]
-    changes: list[tuple[str, dict[str, float]]] = [
+    changes: list[tuple[str, dict[str, float | str]]] = [
+        *((f"start {start}", {"start": start}) for start in ("compatible", "given")),
+        *((f"tolerance {rest:g}", {"tolerance": rest}) for rest in (1.0e-6, 1.0e-2)),
         *((f"epsilon {epsilon:g}", {"epsilon": epsilon}) for epsilon in EPSILONS),
         *((f"h/dx {ratio:g}", {"h_over_dx": ratio}) for ratio in SUPPORTS),
     ]
