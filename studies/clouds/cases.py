@@ -51,7 +51,7 @@ STARTS: dict[str, Any] = {
 
 def operator_of(name: str, epsilon: float = 0.0, tolerance: float = 0.0) -> OperatorKind:
     """By name; positive ``epsilon`` and ``tolerance`` are those of ``SummationByParts``."""
-    changed = {"epsilon": epsilon, "tolerance": tolerance}
+    changed: dict[str, Any] = {"epsilon": epsilon, "tolerance": tolerance}
     changed = {what: value for what, value in changed.items() if value > 0.0}
     return sph.SummationByParts(**changed) if changed else OPERATORS[name]
 

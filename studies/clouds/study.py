@@ -12,6 +12,7 @@ from __future__ import annotations
 import argparse
 import sys
 from collections.abc import Iterator, Sequence
+from typing import Any
 
 from sphsolid.errors import InputError, require
 from studies.clouds.cases import OPERATORS
@@ -47,7 +48,7 @@ def _cube(
     operator: str,
     runs: Sequence[tuple[str, str, str]],
     variant: str = "",
-    **options: float | str,
+    **options: Any,
 ) -> Case:
     cells = cloud_of(cloud).cells(level)
     step = "" if cloud.startswith("points") else f" level {level}"
@@ -100,7 +101,7 @@ def _comparison(options: argparse.Namespace) -> Iterator[Case]:
 def _variants(quick: bool) -> Iterator[Case]:
     """One choice inside ``SummationByParts`` changed at a time, on ``jitter:0.4``."""
     runs = [("linear", "A+B+C=0", "{p,F}")]
-    changes: list[tuple[str, dict[str, float | str]]] = [
+    changes: list[tuple[str, dict[str, Any]]] = [
         *((f"start {start}", {"start": start}) for start in ("compatible", "given")),
         *((f"tolerance {rest:g}", {"tolerance": rest}) for rest in (1.0e-6, 1.0e-2)),
         *((f"epsilon {epsilon:g}", {"epsilon": epsilon}) for epsilon in EPSILONS),
