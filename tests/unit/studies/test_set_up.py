@@ -16,7 +16,7 @@ def test_the_table_has_both_operators_at_both_sizes(tmp_path, capsys):
     assert table["operator"].tolist() == ["Consistent"] * 2 + ["SummationByParts"] * 2
     assert table["particles"].tolist() == [125, 343] * 2
     assert (table[["C0", "C1", "D0"]] < 1e-11).all(axis=None)
-    assert (table["SBP"] < 1e-5).tolist() == [False, False, True, True]
+    assert (table["SBP"] < 1e-3).tolist() == [False, False, True, True]
     assert table["growth"].isna().tolist() == [True, False, True, False]
     assert json.loads((tmp_path / "run.json").read_text())["study"] == "set_up"
     assert "SummationByParts" in capsys.readouterr().out
