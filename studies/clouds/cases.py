@@ -11,14 +11,9 @@ import numpy as np
 import sphsolid as sph
 from sphsolid.cloud import OperatorKind
 from sphsolid.errors import Diverged
-from sphsolid.scenes import Scene, amplitude_of_gradient, swinging_cube
+from sphsolid.scenes import Scene
 from studies.clouds.choice import Cloud, Instance, cloud_of, label_of
-from studies.convergence.cases import (
-    FORMULATIONS,
-    LARGEST_GRADIENT,
-    LINEAR_AMPLITUDE,
-    period_errors_of,
-)
+from studies.convergence.cases import FORMULATIONS, cube_scene, period_errors_of
 
 OPERATORS: dict[str, OperatorKind] = {
     "Literal": sph.Literal(),
@@ -29,18 +24,7 @@ OPERATORS: dict[str, OperatorKind] = {
 
 def cube_on(instance: Instance, *, scene: str, family: str) -> Scene:
     """The swinging cube with the particles of a cloud."""
-    manufactured = scene == "manufactured"
-    amplitude = (
-        amplitude_of_gradient(family, LARGEST_GRADIENT)  # type: ignore[arg-type]
-        if manufactured
-        else LINEAR_AMPLITUDE
-    )
-    problem = swinging_cube(
-        family=family,  # type: ignore[arg-type]
-        amplitude=amplitude,
-        manufactured=manufactured,
-    )
-    return replace(problem, body=instance.body)
+    return replace(cube_scene(scene, family), body=instance.body)
 
 
 STARTS: dict[str, Any] = {

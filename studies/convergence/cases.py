@@ -9,7 +9,7 @@ import fem_reference as fem
 import sphsolid as sph
 from sphsolid.cloud import OperatorKind, SecondaryPoints
 from sphsolid.record import Solver, instant_errors, march, period_errors
-from sphsolid.scenes import amplitude_of_gradient, swinging_cube
+from sphsolid.scenes import Scene, amplitude_of_gradient, swinging_cube
 from sphsolid.scheme.projection import AngularMomentumTreatment
 
 #: Instants of one period at which errors are taken: ``t_k = (k + 1/2) T / 12``.  Neither sine nor
@@ -49,6 +49,22 @@ def period_errors_of(sim: Solver) -> dict[str, float]:
     return period_errors(rows)
 
 
+def cube_scene(scene: str, family: str, **options: float) -> Scene:
+    """The cube in the ``"linear"`` limit, or ``"manufactured"`` at the amplitude of the study."""
+    manufactured = scene == "manufactured"
+    amplitude = (
+        amplitude_of_gradient(family, LARGEST_GRADIENT)  # type: ignore[arg-type]
+        if manufactured
+        else LINEAR_AMPLITUDE
+    )
+    return swinging_cube(
+        family=family,  # type: ignore[arg-type]
+        amplitude=amplitude,
+        manufactured=manufactured,
+        **options,  # type: ignore[arg-type]
+    )
+
+
 def run_case(
     *,
     scene: str,
@@ -65,18 +81,7 @@ def run_case(
 ) -> list[dict[str, Any]]:
     """Twelve rows, one per component of momentum and stress."""
     started = time.perf_counter()
-    manufactured = scene == "manufactured"
-    amplitude = (
-        amplitude_of_gradient(family, LARGEST_GRADIENT)  # type: ignore[arg-type]
-        if manufactured
-        else LINEAR_AMPLITUDE
-    )
-    problem = swinging_cube(
-        family=family,  # type: ignore[arg-type]
-        amplitude=amplitude,
-        manufactured=manufactured,
-        poisson_ratio=poisson_ratio,
-    )
+    problem = cube_scene(scene, family, poisson_ratio=poisson_ratio)
     sim: Any
     if method == "B-bar FEM":
         sim = fem.Simulation(problem, spacing=1.0 / cells, element=fem.BBarHex())
