@@ -2,9 +2,10 @@
 
 ``python -m studies.clouds`` compares ``Literal``, ``Consistent`` and ``SummationByParts`` on
 lattices, disorder, tetrahedra and mesh files: orders and errors on the swinging cube, momenta and
-set-up on free bodies of other shapes, the energy account without stabilisation, and what the
-choices inside ``SummationByParts`` are worth.  With ``--cloud`` (also ``python -m
-studies.convergence --cloud ...``) only the swinging cube on the clouds named.
+set-up on free bodies of other shapes, the energy account without stabilisation, the CFL number
+that a free cube allows, and what the choices inside ``SummationByParts`` are worth.  With
+``--cloud`` (also ``python -m studies.convergence --cloud ...``) only the swinging cube on the
+clouds named.
 """
 
 from __future__ import annotations
@@ -37,6 +38,8 @@ COMPARED = {
 #: Last level of the other operators, and the clouds of the short form.
 OTHERS_LAST, SHORT_FORM = 16, ("lattice", "jitter:0.4", "tet")
 EPSILONS = (1.0e3, 1.0, 0.1, 0.02, 0.01)
+#: Clouds whose spectrum is taken.
+SPECTRA = ("lattice", "jitter:0.2", "jitter:0.4", "jitter:0.8", "tet")
 SUPPORTS = (0.9, 1.0, 1.1, 1.2)
 #: Relative cost of a set-up at the same number of particles.
 _SET_UP = {"Literal": 0.1, "Consistent": 0.6, "SummationByParts": 6.0}
@@ -139,6 +142,17 @@ def _ledgers(quick: bool) -> Iterator[Case]:
             )  # fmt: skip
 
 
+def _spectra(quick: bool) -> Iterator[Case]:
+    for cloud in SPECTRA[:2] if quick else SPECTRA:
+        for operator in OPERATORS:
+            yield Case(
+                f"spectrum {label_of(cloud)} {operator}",
+                "studies.clouds.spectrum_cases:spectrum",
+                {"cloud": cloud, "level": 2 if quick else 4, "operator": operator},
+                cost=3.0,
+            )  # fmt: skip
+
+
 def cases(options: argparse.Namespace) -> list[Case]:
     """The whole comparison, or the cube on the clouds that ``--cloud`` names."""
     require(
@@ -154,6 +168,7 @@ def cases(options: argparse.Namespace) -> list[Case]:
         *_variants(options.quick),
         *_conserved(options.quick),
         *_ledgers(options.quick),
+        *_spectra(options.quick),
     ]
 
 

@@ -25,6 +25,10 @@ _CONSERVED = [
 _LEDGER = [
     "cloud", "operator", "integrator", "h", "particles", "steps", "dt", "dt_over_stable", "rest",
 ]  # fmt: skip
+_SPECTRUM = [
+    "cloud", "operator", "h", "particles", "h_min_over_dx", "decades_at_default", "strict",
+    "slow", "fast", "refused",
+]  # fmt: skip
 _LEVEL = [
     *SETTING, "variant", "h", "particles", "p_x", "P_xx", "error_p", "error_P", "slope_p",
     "slope_P", "mean_slope_P",
@@ -44,6 +48,7 @@ def tables(rows: list[Row]) -> Tables:
         "setup": of("set-up", ["cloud", "operator", "variant", "h", *_SET_UP]),
         "conservation": of("conservation", _CONSERVED),
         "ledger": with_slopes(of("ledger", _LEDGER)),
+        "spectrum": of("spectrum", _SPECTRUM),
         "lost": of("lost", [*SETTING, "variant", "h", "steps", "why"]),
     }
 

@@ -20,6 +20,7 @@ from studies.clouds import study as clouds
 from studies.clouds.cases import cube
 from studies.clouds.choice import cloud_of, cube_surface, folder_of, label_of
 from studies.clouds.shape_cases import SHAPES
+from studies.clouds.spectrum_cases import spectrum
 from studies.clouds.tables import levels, tables, with_slopes
 from studies.clouds.verdicts import verdicts
 from studies.harness.front import main, parse
@@ -301,3 +302,11 @@ def test_the_convergence_study_hands_clouds_over(
     error = capsys.readouterr().err
     assert error.startswith("error: --cloud")
     assert error.count("\n") == 1
+
+
+@pytest.mark.parametrize("cloud", ["lattice", "jitter:0.4"])
+def test_a_free_cube_allows_the_default_cfl_number(cloud: str) -> None:
+    (row,) = spectrum(cloud=cloud, level=2, operator="SummationByParts")
+    assert row["particles"] == 27
+    assert row["decades_at_default"] < 1e-3
+    assert 0.7 < row["strict"] <= row["slow"] <= row["fast"]
