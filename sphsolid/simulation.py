@@ -42,8 +42,8 @@ from sphsolid.record.snapshot import Snapshot
 from sphsolid.record.vtu import write_vtu
 from sphsolid.scenes.scene import FromGeometry, Scene
 from sphsolid.scheme.boundary import EssentialConditions, Loads
-from sphsolid.scheme.equilibrium import equilibrated
 from sphsolid.scheme.formulation import Formulation
+from sphsolid.scheme.initial_state import initial_state
 from sphsolid.scheme.initial_strain import Compatible, Equilibrated, Given, InitialStrain
 from sphsolid.scheme.position_verlet import PositionVerlet
 from sphsolid.scheme.power import TERMS, Account
@@ -52,7 +52,7 @@ from sphsolid.scheme.projection import (
     LocalProjection,
     NoProjection,
 )
-from sphsolid.scheme.right_hand_side import RightHandSide, State
+from sphsolid.scheme.right_hand_side import RightHandSide
 from sphsolid.scheme.ssp_rk3 import SSPRK3
 from sphsolid.scheme.stabilisation import SUPG, Stabilisation, check_formulation, check_pair
 from sphsolid.scheme.time_step import TimeStep, check_cfl
@@ -158,7 +158,7 @@ class Simulation:
             essential=essential,
         )
         self.initial_strain = self._chosen_strain(initial_strain)
-        self.state = self._initial_state(essential)
+        self.state = initial_state(scene, self._rhs, self.initial_strain)
         self._stepper = self.integrator.stepper(self._rhs, self.state, essential)
         self._time_step = TimeStep(
             cfl=cfl,
@@ -202,56 +202,6 @@ class Simulation:
         return default_initial_strain(
             self.operator, self.formulation, adjoint=self.cloud.is_adjoint
         )
-
-    def _initial_state(self, essential: EssentialConditions) -> State:
-        cloud, f = self.cloud, self.formulation
-        u, v = self.scene.initial_state(cloud.X)
-        p = self.scene.material.density * v
-        essential.impose(p, 0.0)
-        x = cloud.X + u
-        state = State.zeros(cloud.size, f, particle_major=cloud.particle_major)
-        F = state.F
-        if isinstance(self.initial_strain, Given):
-            F[:] = self._stated_strain()
-        else:
-            self._rhs.kinematic_gradient(x, 1.0, F)
-            if isinstance(self.initial_strain, Equilibrated):
-                self._check_fibre_map(F)
-                x = equilibrated(self._rhs, x, self._stated_strain())
-                self._rhs.kinematic_gradient(x, 1.0, F)
-        self._check_fibre_map(F)
-        entries = split(F)
-        state.p[:], state.x[:] = p, x
-        if f.evolves_H:
-            state.H[:] = join(cofactor(entries))
-        if f.evolves_J:
-            state.J[:] = determinant(entries)
-        return state
-
-    def _stated_strain(self) -> np.ndarray:
-        given = self.scene.initial_deformation_gradient
-        assert not isinstance(given, FromGeometry)
-        stated = np.asarray(given(self.cloud.X), dtype=float)
-        expected = (self.cloud.size, 3, 3)
-        if stated.shape != expected:
-            raise InputError(
-                f"scene {self.scene.name!r}: initial_deformation_gradient returned shape "
-                f"{stated.shape}, expected {expected}"
-            )
-        self._check_fibre_map(stated)
-        return stated
-
-    def _check_fibre_map(self, F: np.ndarray) -> None:
-        cloud, detF = self.cloud, np.asarray(determinant(split(F)))
-        invalid = np.flatnonzero(~(detF > 0.0))
-        if len(invalid):
-            a = int(invalid[0])
-            raise InputError(
-                f"scene {self.scene.name!r}: the initial state is inside out or not finite at "
-                f"{len(invalid)} of {cloud.size} particles, the first {a} at X = "
-                f"{cloud.X[a].tolist()} m (det F = {detF[a]:.3g}); reduce the initial "
-                "displacement or correct the initial deformation gradient"
-            )
 
     def stable_time_step(self) -> float:
         """Largest step allowed now [s]; raises ``Diverged`` when the state is invalid."""
