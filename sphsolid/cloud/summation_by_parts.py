@@ -32,7 +32,7 @@ from numpy.typing import NDArray
 from sphsolid.cloud.consistent import least_change
 from sphsolid.cloud.gradient import offsets, row_sum
 from sphsolid.cloud.neighbours import PairList, transposed
-from sphsolid.cloud.skew_change import solve
+from sphsolid.cloud.skew_change import Multipliers, solve
 from sphsolid.cloud.skew_problem import SkewProblem
 from sphsolid.errors import InputError
 
@@ -42,6 +42,9 @@ LEAST_SHARE = 1.0e-3
 #: What the solver may leave of the row conditions, relative to what they were, before the pair is
 #: refused.
 MOST_LEFT = 1.0e-2
+#: How much tighter the second try is where D0 could not be met after the first.
+_TIGHT = 1.0e-3
+_MOST_ITERATIONS = 3000
 
 
 @dataclass(frozen=True)
@@ -65,7 +68,6 @@ def skew_gradient(
     weight_exponent: float,
     epsilon: float,
     tolerance: float,
-    most_iterations: int = 3000,
 ) -> SkewGradient:
     """The gradient nearest to ``G (P, 3)`` [1/m] that sums by parts with ``diag(areas)``.
 
@@ -88,7 +90,18 @@ def skew_gradient(
     for d in range(3):
         target[:, 1 + d, d] = V / scale
     right = target - problem.row_moments(skew + half_B)
-    found = solve(problem, right, tolerance=tolerance, most_iterations=most_iterations)
+    found = _solution(problem, right, tolerance)
+    try:
+        G = _gradient(problem, found, skew + half_B, target, V, areas, weights / size)
+    except InputError:
+        # On thin bodies D0 has next to no freedom, and nearly all of it must come from the pair.
+        found = _solution(problem, right, _TIGHT * tolerance)
+        G = _gradient(problem, found, skew + half_B, target, V, areas, weights / size)
+    return SkewGradient(G, found.iterations, found.remainder)
+
+
+def _solution(problem: SkewProblem, right: Array, tolerance: float) -> Multipliers:
+    found = solve(problem, right, tolerance=tolerance, most_iterations=_MOST_ITERATIONS)
     if not found.remainder <= max(tolerance, MOST_LEFT):
         raise InputError(
             "no gradient that sums by parts was found: the row conditions are violated by "
@@ -96,12 +109,27 @@ def skew_gradient(
             "body is too thin for its support, or the support too small: raise h_over_dx, refine "
             "the spacing, or use operator = Consistent()"
         )
-    C = skew + problem.change(found.values) + half_B
-    C += _row_correction(pairs, X, scale, weights, target[:, :4] - problem.row_moments(C)[:, :4])
-    G = C / V[row, None]
+    return found
+
+
+def _gradient(
+    problem: SkewProblem,
+    found: Multipliers,
+    start: Array,
+    target: Array,
+    V: Array,
+    areas: Array,
+    weights: Array,
+) -> Array:
+    """``G (P, 3)`` with exact rows and D0; raises ``InputError`` where D0 cannot be met."""
+    pairs, X = problem.pairs, problem.X
+    C = start + problem.change(found.values)
+    left = target[:, :4] - problem.row_moments(C)[:, :4]
+    C += _row_correction(pairs, X, problem.scale, problem.weights, left)
+    G = C / V[pairs.row_of_pair, None]
     # What is left of D0 is as small as the tolerance: the least change takes it to round-off.
-    G += least_change(G, pairs, X, V, areas, weights / size).D
-    return SkewGradient(G, found.iterations, found.remainder)
+    G += least_change(G, pairs, X, V, areas, weights).D
+    return np.asarray(G)
 
 
 def _row_correction(

@@ -22,8 +22,7 @@ from numpy.typing import NDArray
 from sphsolid.continuum.law import first_piola, tangent_action
 from sphsolid.continuum.tensor import Tensor, cofactor, determinant, join, split
 from sphsolid.errors import InputError
-from sphsolid.fields import components, tensor_field, vector_field
-from sphsolid.scheme import galerkin
+from sphsolid.scheme.elastic_response import ElasticResponse
 from sphsolid.scheme.right_hand_side import RightHandSide
 
 Array = NDArray[np.float64]
@@ -101,30 +100,18 @@ def _free_rigid_motions(rhs: RightHandSide, x: Array) -> list[Array]:
 
 
 class _Equilibrium:
-    """Forces of stresses at fixed positions, and the linear system for a small change of them."""
+    """Forces but for those that move the body rigidly, and the system for a small change."""
 
     def __init__(self, rhs: RightHandSide, x: Array) -> None:
         self._rhs = rhs
         self._rigid = _free_rigid_motions(rhs, x)
-        size, major = rhs.cloud.size, rhs.cloud.particle_major
-        self._tensor = tensor_field(size, particle_major=major)
-        self._vector = vector_field(size)
-        self._V = rhs.cloud.V[:, None]
-
-    def gradient(self, x: Array) -> Tensor:
-        """``sum_b x_b (x) G_b``, nine arrays."""
-        self._rhs.kinematic_gradient(x, 1.0, self._tensor)
-        return split(self._tensor.copy())
+        self._response = ElasticResponse(rhs)
+        self._V = self._response.V
+        self.gradient = self._response.gradient
 
     def force(self, P: Tensor) -> Array:
         """``sum_b V_b P_b G_a(X_b)  (N, 3)`` [N] at free components, less what moves rigidly."""
-        self._tensor[:] = join(P)
-        galerkin.internal_force(
-            self._rhs.cloud.adjoint, components(self._tensor), components(self._vector),
-            self._rhs.scratch,
-        )  # fmt: skip
-        self._rhs.essential.release(self._vector)
-        force = np.asarray(-self._V * self._vector)
+        force = self._response.force(P)
         for motion in self._rigid:
             force -= np.sum(motion * force) * motion
         return force

@@ -1,0 +1,79 @@
+"""Strains and forces of small displacements, and the highest frequency they can oscillate at."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sphsolid.continuum.moduli import first_lame
+from sphsolid.continuum.tensor import Tensor, join, split
+from sphsolid.fields import components, tensor_field, vector_field
+from sphsolid.scheme import galerkin
+from sphsolid.scheme.right_hand_side import RightHandSide
+
+Array = NDArray[np.float64]
+#: Iterations of the power method; on disordered clouds 40 come within some per cent.
+_ITERATIONS = 40
+
+
+class ElasticResponse:
+    """The discrete gradient of a displacement, and the force of a stress at free components."""
+
+    def __init__(self, rhs: RightHandSide) -> None:
+        self._rhs = rhs
+        size, major = rhs.cloud.size, rhs.cloud.particle_major
+        self._tensor = tensor_field(size, particle_major=major)
+        self._vector = vector_field(size)
+        self.V = rhs.cloud.V[:, None]
+
+    def gradient(self, f: Array) -> Tensor:
+        """``sum_b f_b (x) G_b`` of ``f (N, 3)``, nine arrays."""
+        self._rhs.kinematic_gradient(f, 1.0, self._tensor)
+        return split(self._tensor.copy())
+
+    def force(self, P: Tensor) -> Array:
+        """``sum_b V_b P_b G_a(X_b)  (N, 3)`` [N] at free components."""
+        self._tensor[:] = join(P)
+        galerkin.internal_force(
+            self._rhs.cloud.adjoint, components(self._tensor), components(self._vector),
+            self._rhs.scratch,
+        )  # fmt: skip
+        self._rhs.essential.release(self._vector)
+        return np.asarray(-self.V * self._vector)
+
+
+def highest_frequency(rhs: RightHandSide) -> float:
+    """``omega`` [rad/s]: the largest of the undeformed, unstabilised body, by the power method.
+
+    ``omega^2`` is the largest eigenvalue of ``M^-1 K``, ``M = rho0 V`` and ``K`` of linear
+    elasticity.  Approached from below.
+    """
+    response = ElasticResponse(rhs)
+    material = rhs.material
+    mu, lam = material.mu, first_lame(material.mu, material.kappa)
+    mass = material.density * response.V
+    u = np.random.default_rng(0).uniform(-1.0, 1.0, rhs.cloud.X.shape)
+    rhs.essential.release(u)
+    omega2 = 0.0
+    for _ in range(_ITERATIONS):
+        norm = math.sqrt(float(np.sum(mass * u * u)))
+        if norm == 0.0:
+            break
+        u /= norm
+        a = response.force(_linear_stress(mu, lam, response.gradient(u)))
+        omega2 = max(omega2, float(np.sum(u * a)))
+        u = a / mass
+    return math.sqrt(omega2)
+
+
+def _linear_stress(mu: float, lam: float, G: Tensor) -> Tensor:
+    """``lambda tr(e) I + 2 mu e``, ``e`` the symmetric part of ``G``."""
+    trace = lam * (G[0] + G[4] + G[8])
+    xy, xz, yz = mu * (G[1] + G[3]), mu * (G[2] + G[6]), mu * (G[5] + G[7])
+    return (
+        trace + 2.0 * mu * G[0], xy, xz,
+        xy, trace + 2.0 * mu * G[4], yz,
+        xz, yz, trace + 2.0 * mu * G[8],
+    )  # fmt: skip
