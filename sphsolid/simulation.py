@@ -212,8 +212,9 @@ class Simulation:
         """
         if self.cloud.mesh.is_lattice:
             return self.cloud.h_min
-        speed = reference_p_wave_speed(self.scene.material)
-        return min(self.cloud.h_min, 2.0 * speed / highest_frequency(self._rhs))
+        omega = highest_frequency(self._rhs)
+        resolved = 2.0 * reference_p_wave_speed(self.scene.material)
+        return resolved / omega if omega * self.cloud.h_min > resolved else self.cloud.h_min
 
     def stable_time_step(self) -> float:
         """Largest step allowed now [s]; raises ``Diverged`` when the state is invalid."""

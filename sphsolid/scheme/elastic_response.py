@@ -48,7 +48,8 @@ def highest_frequency(rhs: RightHandSide) -> float:
     """``omega`` [rad/s]: the largest of the undeformed, unstabilised body, by the power method.
 
     ``omega^2`` is the largest eigenvalue of ``M^-1 K``, ``M = rho0 V`` and ``K`` of linear
-    elasticity.  Approached from below.
+    elasticity, taken by magnitude: the size of a force limits a step whichever way it points.
+    Approached from below; 0 where nothing is free to move.
     """
     response = ElasticResponse(rhs)
     material = rhs.material
@@ -63,7 +64,7 @@ def highest_frequency(rhs: RightHandSide) -> float:
             break
         u /= norm
         a = response.force(_linear_stress(mu, lam, response.gradient(u)))
-        omega2 = max(omega2, float(np.sum(u * a)))
+        omega2 = max(omega2, abs(float(np.sum(u * a))))
         u = a / mass
     return math.sqrt(omega2)
 

@@ -62,3 +62,11 @@ def test_a_cfl_number_counts_the_length_that_the_cloud_resolves() -> None:
     step = 1.4 / highest_frequency(tet._rhs)
     assert step < 0.7 * tet.cloud.h_min / speed
     assert tet.stable_time_step() == pytest.approx(step)
+
+
+def test_a_body_with_nothing_free_limits_nothing() -> None:
+    rhs = started(TetBox())._rhs
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(type(rhs.essential), "release", lambda _, v: v.fill(0.0))
+        assert highest_frequency(rhs) == 0.0
+        assert started(TetBox()).stable_time_step() > 0.0
