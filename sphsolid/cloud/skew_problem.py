@@ -20,6 +20,8 @@ from sphsolid.compiled import kernel, prange, register_jitable
 Array = NDArray[np.float64]
 #: Multipliers a particle: the monomials up to degree two.
 TERMS = 10
+#: Axes, counted from 1, whose products are the six quadratics.
+_QUADRATICS = [(i, j) for i in (1, 2, 3) for j in range(i, 4)]
 
 
 @dataclass(frozen=True)
@@ -52,6 +54,22 @@ class SkewProblem:
         """The system's matrix times ``(N, 10, 3)``."""
         _apply(*self.arrays, self.epsilon, multipliers, out)
 
+    def null_space(self) -> Array:
+        """Orthonormal ``(10 N, 10)``: ``s, grad s / 2, 0`` of every quadratic ``s``."""
+        low, high = self.X.min(axis=0), self.X.max(axis=0)
+        half = 0.5 * float(np.max(high - low))
+        x = (self.X - 0.5 * (low + high)) / half
+        slope = 0.5 * self.scale / half
+        columns = []
+        for i, j in [(0, 0), (0, 1), (0, 2), (0, 3), *_QUADRATICS]:
+            f, df = _power(x, i)
+            g, dg = _power(x, j)
+            values = np.zeros((len(x), TERMS))
+            values[:, 0] = f * g
+            values[:, 1:4] = slope[:, None] * (df * g[:, None] + f[:, None] * dg)
+            columns.append(values.ravel())
+        return np.linalg.qr(np.stack(columns, axis=1))[0]
+
     @property
     def arrays(self) -> tuple[Any, ...]:
         """What the kernels take first."""
@@ -63,6 +81,15 @@ class SkewProblem:
         out = np.empty((self.pairs.rows, TERMS, TERMS))
         _blocks(*self.arrays, self.epsilon, out)
         return out
+
+
+def _power(x: Array, axis: int) -> tuple[Array, Array]:
+    """Coordinate ``axis``, counted from 1, and its gradient; axis 0 is the constant 1."""
+    gradient = np.zeros_like(x)
+    if axis == 0:
+        return np.ones(len(x)), gradient
+    gradient[:, axis - 1] = 1.0
+    return x[:, axis - 1], gradient
 
 
 @register_jitable

@@ -42,8 +42,6 @@ LEAST_SHARE = 1.0e-3
 #: What the solver may leave of the row conditions, relative to what they were, before the pair is
 #: refused.
 MOST_LEFT = 1.0e-2
-#: How much tighter the second try is where D0 could not be met after the first.
-_TIGHT = 1.0e-3
 _MOST_ITERATIONS = 3000
 
 
@@ -91,12 +89,7 @@ def skew_gradient(
         target[:, 1 + d, d] = V / scale
     right = target - problem.row_moments(skew + half_B)
     found = _solution(problem, right, tolerance)
-    try:
-        G = _gradient(problem, found, skew + half_B, target, V, areas, weights / size)
-    except InputError:
-        # On thin bodies D0 has next to no freedom, and nearly all of it must come from the pair.
-        found = _solution(problem, right, _TIGHT * tolerance)
-        G = _gradient(problem, found, skew + half_B, target, V, areas, weights / size)
+    G = _gradient(problem, found, skew + half_B, target, V, areas, weights / size)
     return SkewGradient(G, found.iterations, found.remainder)
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -12,11 +13,15 @@ from numpy.typing import NDArray
 import sphsolid as sph
 from sphsolid.cloud import Cloud, build_cloud, consistency_report
 from sphsolid.cloud import operator as operators
-from sphsolid.cloud.boundary_weights import quadratically_exact_areas
+from sphsolid.cloud.boundary_weights import quadratic_moments, quadratically_exact_areas
+from sphsolid.cloud.skew_change import solve
+from sphsolid.cloud.skew_problem import SkewProblem
 from sphsolid.compiled import set_threads, threads
 from sphsolid.errors import InputError
-from sphsolid.geometry import Box, TetBox
+from sphsolid.geometry import Box, MeshFile, TetBox
+from sphsolid.geometry.body import AS_MESHED
 from sphsolid.geometry.integrals import area_vectors
+from sphsolid.geometry.mesh import Mesh
 from sphsolid.scenes import l_shaped_block
 from tests.oracles.dense import dense
 
@@ -26,6 +31,7 @@ BODIES = {
     "lattice": Box(upper=(1.0, 0.8, 1.2)),
     "tetrahedra": TetBox(upper=(1.0, 0.8, 1.2)),
 }
+MESHES = Path(__file__).parents[3] / "studies" / "meshes"
 SIZE = np.array([1.0, 0.8, 1.2])
 
 
@@ -177,6 +183,63 @@ def test_a_body_of_one_layer_of_cells_has_one() -> None:
     report = consistency_report(cloud, 0.1)
     assert max(report.C0, report.C1, report.D0) < 1e-11
     assert report.SBP < 1e-5
+
+
+def _shipped(name: str) -> Mesh:
+    return MeshFile(MESHES / name).mesh(AS_MESHED)
+
+
+@pytest.mark.parametrize("name", ["plate_with_hole_tet.msh", "cylinder_tet.msh"])
+def test_it_exists_on_thin_and_curved_bodies(name: str) -> None:
+    """Conditions on a plate's areas nearly depend on each other; a cylinder's cannot all be met."""
+    mesh = _shipped(name)
+    cloud = build_cloud(
+        mesh, smoothing=sph.WendlandC2(), h_over_dx=1.0, operator=sph.SummationByParts()
+    )
+    report = consistency_report(cloud, float(np.sum(cloud.V)))
+    assert max(report.C0, report.C1, report.D0) < 1e-11
+    assert report.SBP < 2e-3
+
+
+@pytest.mark.parametrize(
+    ("name", "missing"), [("plate_with_hole_tet.msh", 1e-14), ("cylinder_tet.msh", 1e-5)]
+)
+def test_areas_of_files_integrate_quadratics(name: str, missing: float) -> None:
+    """Force and moment of every tag come first, what a cylinder's areas cannot do after them."""
+    mesh = _shipped(name)
+    tags = quadratically_exact_areas(mesh)
+    values, exact = quadratic_moments(mesh)
+    whole = np.sum(list(tags.values()), axis=0)
+    total = float(np.sum(np.linalg.norm(whole, axis=1)))
+    assert np.max(np.abs(values.T @ whole - exact)) < missing * total
+    for tag, area in tags.items():
+        change = area - area_vectors(mesh, mesh.faces[tag])
+        assert np.max(np.abs(np.sum(change, axis=0))) < 1e-15 * total
+        assert np.max(np.abs(mesh.vertices.T @ change)) < 1e-15 * total
+
+
+def test_what_has_no_solution_is_taken_out_and_counted() -> None:
+    """The right-hand side in the null space would make conjugate gradients diverge."""
+    mesh = Box(jitter=0.3, seed=2).mesh(0.25)
+    pairs = build_cloud(
+        mesh, smoothing=sph.WendlandC2(), h_over_dx=1.0, operator=sph.Literal()
+    ).pairs
+    X, ones = mesh.vertices, np.ones(len(mesh.vertices))
+    problem = SkewProblem(pairs, X, 0.25 * ones, np.ones(pairs.pairs), 0.02 * ones)
+    null = problem.null_space()
+    out = np.empty((len(X), 10, 3))
+    for k in range(0, 9, 3):
+        problem.apply(np.ascontiguousarray(null[:, k : k + 3].reshape(len(X), 10, 3)), out)
+        assert np.max(np.abs(out)) < 1e-12
+    right = np.empty_like(out)
+    problem.apply(np.random.default_rng(1).normal(size=out.shape), right)
+    outside = 1e-4 * np.max(np.abs(right)) * null[:, :3].reshape(out.shape)
+    found = solve(problem, right + outside, tolerance=1e-9, most_iterations=2000)
+    problem.apply(found.values, out)
+    size = np.max(np.abs(right))
+    np.testing.assert_allclose(out, right, atol=2e-9 * size)
+    assert found.unsolvable == pytest.approx(np.max(np.abs(outside)) / size, rel=1e-3)
+    assert found.unsolvable <= found.remainder < found.unsolvable + 1e-9
 
 
 @pytest.mark.parametrize(
