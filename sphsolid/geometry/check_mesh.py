@@ -30,6 +30,11 @@ _EDGES = {
 }
 
 
+#: Radius within which neighbours are counted, in local spacings: the support of the default
+#: smoothing function off a lattice.
+REACH = 2.0
+
+
 @dataclass(frozen=True)
 class TagReport:
     """A tag of the boundary: its facets and their area [m^2]."""
@@ -48,9 +53,10 @@ class MeshReport:
     ``centroid_in_boundary`` [m] the same point in two; ``open_area``: ``|sum A_a N_a|`` over the
     area of the boundary.  ``spacing``, ``smallest_spacing``, ``largest_spacing`` [m]: nominal, and
     the extremes of :func:`~sphsolid.geometry.integrals.local_spacing`; ``smallest_distance`` [m]
-    of two vertices; ``worst_quality`` and ``mean_quality`` of the cells, see
-    :func:`cell_quality`; ``parts``: pieces that share no facet; ``size`` [m] the diagonal of the
-    box around the body.
+    of two vertices; ``neighbours``: fewest, mean and most vertices within :data:`REACH` local
+    spacings of a vertex, nearly those that a particle will have; ``worst_quality`` and
+    ``mean_quality`` of the cells, see :func:`cell_quality`; ``parts``: pieces that share no facet;
+    ``size`` [m] the diagonal of the box around the body.
     """
 
     cell: str
@@ -71,6 +77,7 @@ class MeshReport:
     smallest_spacing: float
     largest_spacing: float
     smallest_distance: float
+    neighbours: tuple[int, float, int]
     worst_quality: float
     mean_quality: float
     tags: tuple[TagReport, ...]
@@ -89,6 +96,7 @@ class MeshReport:
     def __str__(self) -> str:
         """A block of lines, values with their units."""
         x, y, z = self.centroid_of_particles
+        fewest, mean, most = self.neighbours
         left_out = f"{self.unused_vertices} unused, {self.midside_vertices} midside left out"
         width = max(len("tag"), *(len(tag.name) for tag in self.tags)) if self.tags else 3
         rows = [
@@ -101,6 +109,8 @@ class MeshReport:
             f"boundary     {self.area:.9g} m^2, open by {self.open_area:.1e} of it",
             f"spacing      {self.spacing:.4g} m; around a vertex {self.smallest_spacing:.4g} to "
             f"{self.largest_spacing:.4g} m; smallest distance {self.smallest_distance:.4g} m",
+            f"neighbours   {fewest} to {most} of a vertex, {mean:.1f} on average, within "
+            f"{REACH:g} spacings around it",
             f"quality      scaled Jacobian {self.worst_quality:.3f} at worst, "
             f"{self.mean_quality:.3f} on average (best 1)",
             f"{'tag':<{width}}  {'facets':>8}  {'area [m^2]':>12}",
@@ -133,6 +143,10 @@ def check_mesh(mesh: Mesh, *, unused_vertices: int = 0, midside_vertices: int = 
     total = math.fsum(tag.area for tag in tags)
     around = local_spacing(mesh)
     quality = cell_quality(mesh)
+    tree = cKDTree(mesh.vertices)
+    # The smoothing function is zero at the edge, where a lattice has neighbours up to round-off.
+    inside = (1.0 - 1.0e-9) * REACH
+    near = tree.query_ball_point(mesh.vertices, inside * around, return_length=True) - 1
     return MeshReport(
         cell=mesh.shape.name,
         cells=len(mesh.cells),
@@ -151,7 +165,8 @@ def check_mesh(mesh: Mesh, *, unused_vertices: int = 0, midside_vertices: int = 
         spacing=mesh.spacing,
         smallest_spacing=float(around.min()),
         largest_spacing=float(around.max()),
-        smallest_distance=float(cKDTree(mesh.vertices).query(mesh.vertices, k=2)[0][:, 1].min()),
+        smallest_distance=float(tree.query(mesh.vertices, k=2)[0][:, 1].min()),
+        neighbours=(int(near.min()), float(near.mean()), int(near.max())),
         worst_quality=float(quality.min()),
         mean_quality=float(quality.mean()),
         tags=tuple(tags),

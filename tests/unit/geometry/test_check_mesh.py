@@ -51,6 +51,14 @@ def test_volume_moments_and_closure_agree_to_round_off(name):
     assert sum(tag.facets for tag in report.tags) == len(mesh.boundary)
 
 
+def test_neighbours_are_counted_in_local_spacings() -> None:
+    """A lattice has 6 + 12 + 8 points nearer than two spacings; a corner sees 3 + 3 + 1."""
+    fewest, mean, most = check_mesh(Box().mesh(0.2)).neighbours
+    assert (fewest, most) == (7, 26)
+    assert 7 < mean < 26
+    assert "7 to 26 of a vertex" in str(check_mesh(Box().mesh(0.2)))
+
+
 def one_facet_turned(mesh: Mesh) -> Mesh:
     name = max(mesh.faces, key=lambda tag: len(mesh.faces[tag]))
     facets = mesh.faces[name].copy()
