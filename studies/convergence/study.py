@@ -193,5 +193,7 @@ STUDY = Study(
     summary=summary,
     arguments=arguments,
     warm_up=warm_up,
-    description="Convergence of SUPG-SPH, displacement SPH and B-bar FEM on the swinging cube.",
+    description="Convergence of SUPG-SPH, displacement SPH and B-bar FEM on the swinging cube. "
+    "With --cloud jitter:J, tet, hex:FILE, tet:FILE or points:FILE[,SURFACE]: all operators on "
+    "that cloud instead (options: python -m studies.clouds --help).",
 )
