@@ -7,7 +7,7 @@ import pandas as pd
 import pytest
 
 from sphsolid.geometry import AsMeshed, MeshFile
-from studies.plate_with_hole.cases import MESHES
+from studies.plate_with_hole.cases import FEM, INSTANTS, MESHES, SPH, run_case
 from studies.plate_with_hole.plane import plane_stress_over_pull
 from studies.plate_with_hole.recovery import at_cells, fitted
 from studies.plate_with_hole.verdicts import verdicts
@@ -52,3 +52,25 @@ def test_verdicts(off, met):
               "against_ring": np.nan}  # fmt: skip
     found = verdicts({"table": pd.DataFrame([row | values])})
     assert found["met"].tolist() == [met]
+
+
+@pytest.mark.parametrize(("method", "operator"), [(FEM, "-"), (SPH, "SummationByParts")])
+def test_a_short_pull_from_end_to_end(method, operator, tmp_path):
+    """Too short to reach the hole, long enough for every number of the report to be there."""
+    rows = run_case(
+        key="short", method=method, operator=operator, mesh="hex", thickness="plane_strain",
+        rise=0.02, hold=0.02, shots=str(tmp_path),
+    )  # fmt: skip
+    kinds = pd.Series([row["kind"] for row in rows]).value_counts()
+    assert kinds["value"] == 1
+    assert kinds["ligament"] > 10
+    assert kinds["ring"] > 10
+    value = rows[0]
+    assert value["steps"] >= INSTANTS
+    assert np.isfinite(value["edge_fit"])
+    assert np.isfinite(value["edge_particles"]) == (method == SPH)
+    # The end that is pulled is at 5 radii: nothing has arrived at the hole.
+    assert abs(value["edge_fit"]) < 1e-3
+    stress = np.array([row["stress"] for row in rows if row["kind"] == "ligament"])
+    assert np.isfinite(stress).all()
+    assert (tmp_path / "short.npz").exists()
