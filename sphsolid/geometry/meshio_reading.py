@@ -55,7 +55,7 @@ def read_gmsh(path: Path) -> FileContent:
             f"{path} is truncated: its section ${name} has no $End{name}; copy or save it again",
         )
     names = _physical_names(path, data)
-    mesh = _read(meshio.gmsh.read, path, f"Gmsh {version}")
+    mesh = read_guarded(meshio.gmsh.read, path, f"Gmsh {version}")
     tags: dict[str, list[Block]] = {name: [] for name in names.values()}
     numbers = mesh.cell_data.get("gmsh:physical")
     for k, block in enumerate(mesh.cells):
@@ -121,7 +121,7 @@ def read_vtu(path: Path) -> FileContent:
         f"{path} has {len(pieces)} pieces; only one can be read: merge them before writing "
         "(ParaView: Merge Blocks)",
     )
-    mesh = _read(meshio.vtu.read, path, "VTU")
+    mesh = read_guarded(meshio.vtu.read, path, "VTU")
     count = sum(len(block.data) for block in mesh.cells)
     declared = re.search(rb'NumberOfCells="\s*(\d+)\s*"', pieces[0]) if pieces else None
     require(
@@ -166,7 +166,7 @@ def _tag_arrays(path: Path, mesh: Any) -> dict[str, list[Indices]]:
     return named
 
 
-def _read(reader: Callable[[str], Any], path: Path, what: str) -> Any:
+def read_guarded(reader: Callable[[str], Any], path: Path, what: str) -> Any:
     """What a reader of meshio returns; whatever it raises becomes an ``InputError``."""
     said = io.StringIO()
     with (

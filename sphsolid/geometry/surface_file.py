@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
-import io
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -15,7 +13,7 @@ from sphsolid.errors import InputError, require
 from sphsolid.geometry.closed_surface import halves
 from sphsolid.geometry.facets import same_vertices
 from sphsolid.geometry.file_content import SURFACE_CORNERS, FileContent
-from sphsolid.geometry.meshio_reading import read_gmsh, read_vtu
+from sphsolid.geometry.meshio_reading import read_gmsh, read_guarded, read_vtu
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
@@ -54,15 +52,7 @@ def read_facets(path: Path) -> Facets:
             f"{path} is of kind {kind or 'unknown'}; a surface is read from "
             f"{', '.join(sorted({*_PLAIN, *_TAGGED}))}"
         )
-    said = io.StringIO()
-    try:
-        with contextlib.redirect_stdout(said), contextlib.redirect_stderr(said):
-            mesh = _PLAIN[kind](str(path))
-    except (Exception, SystemExit) as error:
-        raise InputError(
-            f"{path} cannot be read as {kind[1:].upper()}: it is truncated or damaged, or not what "
-            f"its name says ({type(error).__name__} {error})"
-        ) from error
+    mesh = read_guarded(_PLAIN[kind], path, kind[1:].upper())
     loops = [np.asarray(b.data) for b in mesh.cells if b.type in ("triangle", "quad")]
     require(
         sum(len(loop) for loop in loops) > 0,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -13,34 +14,18 @@ from sphsolid.continuum.tensor import cofactor, determinant, join, split
 from sphsolid.record import MomentumDrift, write_checkpoint
 from sphsolid.scenes import Box, Scene, Traction
 from sphsolid.scheme.right_hand_side import RightHandSide
+from tests.oracles import timing
 from tests.oracles.blocks import FORMULATIONS, RUBBER, loaded_block, pulled, spinning_block
 
-SPAN = 2.0e-3
 VERLET = sph.PositionVerlet()
 UNDAMPED = sph.NoStabilisation()
 DAMPED = sph.SUPG(tau_F=0.5, xi_F=0.1)
-
-
-def build(scene: Scene, **options: Any) -> sph.Simulation:
-    return sph.Simulation(
-        scene, spacing=0.4, **{"integrator": VERLET, "stabilisation": UNDAMPED, **options}
-    )
-
-
-def after(scene: Scene, steps: int, **options: Any) -> sph.Simulation:
-    sim = build(scene, **options)
-    sim.track_balance()
-    for _ in range(steps):
-        sim.advance(SPAN / steps)
-    return sim
+build = partial(timing.build, integrator=VERLET)
+after = partial(timing.after, integrator=VERLET)
+order = partial(timing.order, integrator=VERLET)
 
 
 # ----------------------------------------------------------------- accuracy
-def order(scene: Scene, name: str, **options: Any) -> float:
-    runs = [getattr(after(scene, n, **options).state, name) for n in (32, 64, 128)]
-    return float(np.log2(np.linalg.norm(runs[0] - runs[1]) / np.linalg.norm(runs[1] - runs[2])))
-
-
 @pytest.mark.parametrize("formulation", FORMULATIONS, ids=lambda f: f.name)
 def test_order_of_free_motion_in_time(formulation: Any) -> None:
     for name in ("p", "x", "F"):
@@ -105,7 +90,7 @@ def test_it_runs_back_to_where_it_came_from(formulation: Any) -> None:
     start = {name: array.copy() for name, array in vars(sim.state).items()}
     for _ in range(2):
         for _ in range(30):
-            sim.advance(SPAN / 30)
+            sim.advance(timing.SPAN / 30)
         sim.state.p *= -1.0
     for name, array in start.items():
         scale = max(float(np.max(np.abs(array), initial=0.0)), 1.0)
@@ -211,6 +196,6 @@ def test_the_account_does_not_change_the_run() -> None:
     with_account = after(loaded_block(), 10, stabilisation=DAMPED)
     without = build(loaded_block(), stabilisation=DAMPED)
     for _ in range(10):
-        without.advance(SPAN / 10)
+        without.advance(timing.SPAN / 10)
     np.testing.assert_array_equal(with_account.state.p, without.state.p)
     np.testing.assert_array_equal(with_account.state.F, without.state.F)

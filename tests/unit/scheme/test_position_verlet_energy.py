@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -10,26 +11,14 @@ import pytest
 import sphsolid as sph
 from sphsolid.record import Balance, EnergyLedger
 from sphsolid.scenes import Box, Scene
+from tests.oracles import timing
 from tests.oracles.blocks import FORMULATIONS, RUBBER, loaded_block, spinning_block
 
-SPAN = 2.0e-3
 VERLET = sph.PositionVerlet()
 UNDAMPED = sph.NoStabilisation()
 DAMPED = sph.SUPG(tau_F=0.5, xi_F=0.1)
-
-
-def build(scene: Scene, **options: Any) -> sph.Simulation:
-    return sph.Simulation(
-        scene, spacing=0.4, **{"integrator": VERLET, "stabilisation": UNDAMPED, **options}
-    )
-
-
-def after(scene: Scene, steps: int, **options: Any) -> sph.Simulation:
-    sim = build(scene, **options)
-    sim.track_balance()
-    for _ in range(steps):
-        sim.advance(SPAN / steps)
-    return sim
+build = partial(timing.build, integrator=VERLET)
+after = partial(timing.after, integrator=VERLET)
 
 
 def rest(sim: sph.Simulation) -> float:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -11,32 +12,14 @@ import sphsolid as sph
 from sphsolid.record import Balance, EnergyLedger, MomentumDrift
 from sphsolid.scenes import Box, Scene, Traction
 from sphsolid.scheme import ssp_rk3
+from tests.oracles import timing
 from tests.oracles.blocks import FORMULATIONS, RUBBER, loaded_block, pulled, spinning_block
 
-SPAN = 2.0e-3
 THIRD = sph.SSPRK3()
 UNDAMPED = sph.NoStabilisation()
-
-
-def build(scene: Scene, **options: Any) -> sph.Simulation:
-    return sph.Simulation(
-        scene, spacing=0.4, **{"integrator": THIRD, "stabilisation": UNDAMPED, **options}
-    )
-
-
-def after(scene: Scene, steps: int, **options: Any) -> sph.Simulation:
-    sim = build(scene, **options)
-    sim.track_balance()
-    for _ in range(steps):
-        sim.advance(SPAN / steps)
-    return sim
-
-
-def order(scene: Scene, name: str, **options: Any) -> float:
-    runs = [getattr(after(scene, n, **options).state, name) for n in (32, 64, 128)]
-    return float(
-        np.log2(np.linalg.norm(runs[0] - runs[1]) / np.linalg.norm(runs[1] - runs[2]))
-    )
+build = partial(timing.build, integrator=THIRD)
+after = partial(timing.after, integrator=THIRD)
+order = partial(timing.order, integrator=THIRD)
 
 
 @pytest.mark.parametrize("formulation", FORMULATIONS, ids=lambda f: f.name)

@@ -1,0 +1,35 @@
+"""Scenes run over one span in a given number of steps, and the order that three runs show."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+import sphsolid as sph
+from sphsolid.scenes import Scene
+
+#: Length [s] of every run.
+SPAN = 2.0e-3
+
+
+def build(scene: Scene, **options: Any) -> sph.Simulation:
+    """Undamped unless ``options`` say otherwise."""
+    return sph.Simulation(
+        scene, spacing=0.4, **{"stabilisation": sph.NoStabilisation(), **options}
+    )
+
+
+def after(scene: Scene, steps: int, **options: Any) -> sph.Simulation:
+    """At ``SPAN``, with its balance."""
+    sim = build(scene, **options)
+    sim.track_balance()
+    for _ in range(steps):
+        sim.advance(SPAN / steps)
+    return sim
+
+
+def order(scene: Scene, name: str, **options: Any) -> float:
+    """Power of the step with which the field ``name`` of 32, 64 and 128 steps converges."""
+    runs = [getattr(after(scene, n, **options).state, name) for n in (32, 64, 128)]
+    return float(np.log2(np.linalg.norm(runs[0] - runs[1]) / np.linalg.norm(runs[1] - runs[2])))
