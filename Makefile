@@ -26,7 +26,7 @@ scenes: $(VENV)/.installed-report
 	  $(BIN)/python -m studies.$$study $(ARGS) || exit 1; done
 
 test: lint
-	$(BIN)/python -m pytest -m "not slow" $(ARGS)
+	$(BIN)/python -m pytest -m "not slow" --numprocesses auto --maxprocesses 4 --dist worksteal $(ARGS)
 
 lint: $(VENV)/.installed-dev
 	$(BIN)/ruff check .
