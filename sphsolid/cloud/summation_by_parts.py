@@ -42,6 +42,9 @@ LEAST_SHARE = 1.0e-3
 #: What the solver may leave of the row conditions, relative to what they were, before the pair is
 #: refused.
 MOST_LEFT = 1.0e-2
+#: What may lie where there is no solution.  A cylinder's walls leave 1.5e-5 (``boundary_weights``),
+#: volumes without the body's first moments 5e-3 and more.
+MOST_UNSOLVABLE = 1.0e-3
 _MOST_ITERATIONS = 3000
 
 
@@ -71,7 +74,8 @@ def skew_gradient(
 
     ``pairs`` symmetric, each particle its own neighbour; ``scale (N,)`` [m] local spacing;
     ``share (P,)`` the smoothing function of every pair over its peak.  Raises ``InputError`` where
-    no such gradient exists: where the body is too thin for its support.
+    no such gradient exists: where the body is too thin for its support, and where volumes and areas
+    do not have the moments of one body.
     """
     row = pairs.row_of_pair
     _, other = transposed(pairs, pairs.rows)
@@ -95,6 +99,14 @@ def skew_gradient(
 
 def _solution(problem: SkewProblem, right: Array, tolerance: float) -> Multipliers:
     found = solve(problem, right, tolerance=tolerance, most_iterations=_MOST_ITERATIONS)
+    if not found.unsolvable <= MOST_UNSOLVABLE:
+        raise InputError(
+            "no gradient that sums by parts exists for these volumes and boundary areas: "
+            "sum V grad s and sum A N s, equal for every quadratic s in a closed body, differ by "
+            f"{found.unsolvable:.2g} of the row conditions, at most {MOST_UNSOLVABLE:.0e} is "
+            "allowed; check that the boundary is closed and that volumes have the body's first "
+            "moments, refine a curved boundary, or use operator = Consistent()"
+        )
     if not found.remainder <= max(tolerance, MOST_LEFT):
         raise InputError(
             "no gradient that sums by parts was found: the row conditions are violated by "
