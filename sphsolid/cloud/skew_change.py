@@ -28,20 +28,20 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import cho_factor, cho_solve
 from threadpoolctl import threadpool_limits
 
+from sphsolid.cloud.coarse_solution import CoarseSolution
 from sphsolid.cloud.skew_problem import SkewProblem
-from sphsolid.cloud.spline_matrix import spline_matrix
-from sphsolid.cloud.spline_space import Splines
+from sphsolid.cloud.spline_matrix import skew_matrix
+from sphsolid.cloud.spline_space import coarse_splines
 from sphsolid.compiled import kernel, prange
 
 Array = NDArray[np.float64]
-#: The coarse grid is this many spacings wide, or wider, so that it has no more functions than ...
-#: (the factor of 16 000 takes 2 GB while it is made, and 1 GB after that).  Up to 65^3 particles
-#: three spacings will do; with four the iterations rise by a half.
-COARSE_SPACINGS = 3.0
-MOST_COARSE = 16_000
+#: The coarse grid is this many spacings wide: with three the iterations rise by a quarter, with two
+#: the coarse solution takes what they save.
+COARSE_SPACINGS = 2.5
+#: Small beside the sixth power of the longest wave number times that width.
+SHIFT = 1.0e-9
 #: A residual that has grown this much says that there is no solution.
 HOPELESS = 1.0e8
 
@@ -117,43 +117,18 @@ class _Preconditioner:
     """Inverse diagonal blocks plus the coarse solution."""
 
     def __init__(self, problem: SkewProblem) -> None:
-        self._inverse = np.linalg.inv(problem.blocks())
-        X = problem.X
-        spacing = float(np.mean(problem.scale))
-        volume = float(np.prod(np.maximum(np.ptp(X, axis=0), spacing)))
-        edge = max(COARSE_SPACINGS * spacing, (volume / MOST_COARSE) ** (1.0 / 3.0))
-        self._splines = Splines(X, problem.scale, edge)
-        while self._splines.size > MOST_COARSE:
-            edge *= 1.05
-            self._splines = Splines(X, problem.scale, edge)
-        matrix = spline_matrix(problem, self._splines)
-        diagonal = np.diag(matrix).copy()
-        # Functions that reach no particle have an empty row; a little on the diagonal carries them
-        # and those that hardly reach one.
-        self._root = 1.0 / np.sqrt(np.where(diagonal > 0.0, diagonal, 1.0))
-        matrix *= self._root[:, None]
-        matrix *= self._root
-        null = np.linalg.qr(self._splines.quadratics() / self._root[:, None])[0]
-        matrix += null @ null.T
-        matrix[np.diag_indices(len(matrix))] += 1.0e-9
-        factor, self._lower = cho_factor(
-            matrix, lower=True, overwrite_a=True, check_finite=False
+        blocks = problem.blocks()
+        self._inverse = np.linalg.inv(blocks)
+        splines = coarse_splines(problem.X, problem.scale, COARSE_SPACINGS)
+        matrix = skew_matrix(problem, splines, blocks)
+        self._coarse = CoarseSolution(
+            splines, matrix, splines.quadratics(), shift=SHIFT, dtype=np.float32
         )
-        # Solving reads the whole factor in every iteration.  ``L L^T`` is positive with a rounded
-        # ``L`` too, and that is all that a preconditioner must be.
-        self._factor = factor.astype(np.float32)
 
     def __call__(self, residual: Array, out: Array) -> None:
         """``out = M^-1 residual  (N, 10, 3)``."""
         _times_blocks(self._inverse, residual, out)
-        coarse = np.empty((self._splines.size, 3))
-        self._splines.restrict(residual, coarse)
-        coarse *= self._root[:, None]
-        # Scaled, because the residual's square may be below the range of single precision.
-        size = float(np.max(np.abs(coarse))) or 1.0
-        right = np.asarray(coarse / size, dtype=np.float32)
-        solved = cho_solve((self._factor, self._lower), right, check_finite=False)
-        self._splines.prolong(solved * (size * self._root[:, None]), out)
+        self._coarse.add(residual, out)
 
 
 @kernel

@@ -18,6 +18,9 @@ from sphsolid.compiled import kernel, prange, register_jitable
 Array = NDArray[np.float64]
 #: Grid functions that are not zero at a point, along one axis.
 WIDTH = 4
+#: Functions of a coarse grid, at most.  Those of a cube of 65^3 particles and 2.5 spacings take
+#: 0.8 GB while their matrix is factorised; with more particles the grid gets coarser.
+MOST_COARSE = 25_000
 
 
 class Splines:
@@ -69,6 +72,13 @@ class Splines:
         _restrict_cells(self.order, self.start, self.N, self.D, self.E, z, parts)
         _gather_cells(self.cells, self.shape, parts, out)
 
+    def linears(self) -> Array:
+        """Orthonormal coefficients of the four linear functions ``(size, 4)``."""
+        one = [np.ones(n) for n in self.shape]
+        knots = [np.linspace(-1.0, 1.0, n) for n in self.shape]
+        columns = [_outer(one, {}), *(_outer(one, {i: knots[i]}) for i in range(3))]
+        return np.linalg.qr(np.stack(columns, axis=1))[0]
+
     def quadratics(self) -> Array:
         """Orthonormal coefficients of the ten quadratics ``(size, 10)``.
 
@@ -87,6 +97,18 @@ class Splines:
             columns += [_outer(one, {i: x[i], j: x[j]}) for j in range(i + 1, 3)]
         columns.append(_outer(one, {}))
         return np.linalg.qr(np.stack(columns, axis=1))[0]
+
+
+def coarse_splines(X: Array, scale: Array, spacings: float) -> Splines:
+    """Splines on a grid of ``spacings`` mean ``scale``, or more where there would be too many."""
+    spacing = float(np.mean(scale))
+    volume = float(np.prod(np.maximum(np.ptp(X, axis=0), spacing)))
+    edge = max(spacings * spacing, (volume / MOST_COARSE) ** (1.0 / 3.0))
+    splines = Splines(X, scale, edge)
+    while splines.size > MOST_COARSE:
+        edge *= 1.05
+        splines = Splines(X, scale, edge)
+    return splines
 
 
 def _outer(one: list[Array], chosen: dict[int, Array]) -> Array:

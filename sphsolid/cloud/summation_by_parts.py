@@ -133,7 +133,7 @@ def _gradient(
     C += _row_correction(pairs, X, problem.scale, problem.weights, left)
     G = C / V[pairs.row_of_pair, None]
     # What is left of D0 is as small as the tolerance: the least change takes it to round-off.
-    G += least_change(G, pairs, X, V, areas, weights).D
+    G += least_change(G, pairs, X, V, areas, weights, coarse=True).D
     return np.asarray(G)
 
 

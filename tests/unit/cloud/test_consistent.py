@@ -10,8 +10,9 @@ import pytest
 from numpy.typing import NDArray
 
 import sphsolid as sph
-from sphsolid.cloud import Cloud, build_cloud, consistency_report, consistent
+from sphsolid.cloud import Cloud, build_cloud, consistency_report
 from sphsolid.cloud.consistent import divergence_defect, least_change
+from sphsolid.cloud.divergence_system import DivergenceSystem
 from sphsolid.cloud.neighbours import PairList
 from sphsolid.errors import InputError
 from sphsolid.geometry.integrals import layers_from_boundary
@@ -167,8 +168,7 @@ def test_the_system_is_symmetric_semidefinite_and_its_diagonal_is_known(
     cloud = make_cloud(jitter=0.2, spacing=0.4)
     rest = cloud.X[cloud.pairs.indices] - cloud.X[cloud.pairs.row_of_pair]
     w = np.sqrt(cloud.smoothing.value(np.linalg.norm(rest, axis=1), cloud.h))
-    inverse = consistent._inverse_moments(cloud.pairs, cloud.X, w, cloud.spacing)
-    system = consistent._System(cloud.pairs, cloud.X, cloud.V, w, inverse, cloud.spacing)
+    system = DivergenceSystem(cloud.pairs, cloud.X, cloud.V, w, cloud.spacing, coarse=False)
     S = np.empty((cloud.size, cloud.size))
     for a in range(cloud.size):
         unit = np.zeros((cloud.size, 3))
@@ -183,6 +183,27 @@ def test_the_system_is_symmetric_semidefinite_and_its_diagonal_is_known(
     assert np.count_nonzero(values < 1e-10 * values[-1]) == 4
     null = np.concatenate([np.ones((cloud.size, 1)), cloud.X], axis=1)
     np.testing.assert_allclose(S @ null, 0.0, atol=1e-13 * size)
+
+
+@pytest.mark.parametrize("upper", [(1.0, 1.0, 1.0), (0.4, 1.6, 0.7), (1.2, 0.3, 1.2)])
+def test_a_coarse_solution_gives_the_same_change_in_fewer_iterations(
+    upper: tuple[float, float, float],
+) -> None:
+    mesh = Box(upper=upper, jitter=0.3, seed=3).mesh(0.1)
+    cloud = build_cloud(
+        mesh, smoothing=sph.WendlandC2(), h_over_dx=1.0, operator=sph.Literal("linear_kernel")
+    )
+    rest = cloud.X[cloud.pairs.indices] - cloud.X[cloud.pairs.row_of_pair]
+    w = np.sqrt(cloud.smoothing.value(np.linalg.norm(rest, axis=1), cloud.h))
+    G = cloud.gradients.force
+    plain, quick = (
+        least_change(G, cloud.pairs, cloud.X, cloud.V, cloud.areas, w, coarse=coarse)
+        for coarse in (False, True)
+    )
+    size = np.max(np.abs(plain.D))
+    np.testing.assert_allclose(quick.D, plain.D, atol=1e-8 * size)
+    assert quick.remainder <= 1e-13
+    assert quick.iterations <= 0.25 * plain.iterations
 
 
 def test_a_body_too_thin_for_its_support_is_refused() -> None:

@@ -8,7 +8,7 @@ import pytest
 import sphsolid as sph
 from sphsolid.cloud.lengths import Uniform
 from sphsolid.cloud.skew_problem import SkewProblem
-from sphsolid.cloud.spline_matrix import spline_matrix
+from sphsolid.cloud.spline_matrix import skew_matrix
 from sphsolid.cloud.spline_space import Splines
 from sphsolid.geometry import Box
 
@@ -80,8 +80,7 @@ def test_the_quadratics_are_in_the_space(splines: Splines) -> None:
 
 def test_the_coarse_matrix_is_the_one_of_the_system(splines: Splines, problem: SkewProblem) -> None:
     """``P^T K P`` column by column."""
-    lower = np.tril(spline_matrix(problem, splines))
-    matrix = lower + np.tril(lower, -1).T
+    matrix = skew_matrix(problem, splines, problem.blocks()).dense()
     random = np.random.default_rng(3)
     c = random.normal(size=(splines.size, 3))
     fine, applied = np.zeros((len(X), 10, 3)), np.empty((len(X), 10, 3))
