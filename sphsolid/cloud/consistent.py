@@ -84,8 +84,8 @@ def least_change(
     ``G (P, 3)`` [1/m]; ``weights (P,)`` symmetric, non-negative, zero where nothing may change;
     ``tolerance`` of the largest remaining defect relative to the largest area;
     ``coarse`` adds a coarse solution to the preconditioner, for clouds on which every pair may
-    change: a thirtieth of the iterations at 65^3.  Raises ``InputError`` when no such change exists
-    on the given pairs.
+    change: far fewer iterations on large ones.  Raises ``InputError`` when no such change exists on
+    the given pairs.
     """
     h = float(np.cbrt(np.mean(volumes)))
     defect = divergence_defect(G, pairs, volumes, areas)
