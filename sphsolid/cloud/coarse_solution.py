@@ -47,7 +47,10 @@ class CoarseSolution:
         if least is not None:
             diagonal = np.maximum(diagonal, least)
         root = 1.0 / np.sqrt(np.where(diagonal > 0.0, diagonal, 1.0))
-        self._null = np.linalg.qr(null[matrix.order] / root[:, None])[0]
+        # Coefficients of functions that reach no particle are free: counted with the null space,
+        # they would be pinned in place of those that matter.
+        reached = (matrix.diagonal > 0.0)[:, None]
+        self._null = np.linalg.qr(np.where(reached, null[matrix.order] / root[:, None], 0.0))[0]
         # Coefficients on which the null space can be read most safely.
         pins = qr(self._null.T, mode="r", pivoting=True)[1][: null.shape[1]]
         extra = np.full(len(root), shift)

@@ -11,7 +11,7 @@ from scipy.spatial import cKDTree
 from sphsolid.cloud.neighbours import PairList, pairs_of_lengths, pairs_within
 from sphsolid.geometry.cell_shape import CORNERS
 from sphsolid.geometry.integrals import local_spacing
-from sphsolid.geometry.mesh import HexMesh, Mesh
+from sphsolid.geometry.mesh import GridMesh, HexMesh, Mesh
 
 Array = NDArray[np.float64]
 #: Most that flat cells lengthen the spacing by: to reach the second neighbours sideways.
@@ -106,10 +106,15 @@ def widest_spacing(mesh: Mesh) -> Array:
 
 
 def lengths_of(mesh: Mesh, h_over_dx: float) -> Lengths:
-    """``Uniform`` unless the spacing of the mesh varies by more than :data:`GRADED`."""
+    """``Uniform`` unless the spacing of the mesh varies by more than :data:`GRADED`.
+
+    On a disordered grid ``dx`` is its widest edge: the support must reach second neighbours along
+    every axis, or there is hardly a gradient that sums by parts.
+    """
     if mesh.is_lattice:
         return Uniform(mesh.spacing, h_over_dx)
     spacing = widest_spacing(mesh)
     if np.max(spacing) <= GRADED * np.min(spacing):
-        return Uniform(mesh.spacing, h_over_dx)
+        dx = mesh.widest if isinstance(mesh, GridMesh) else mesh.spacing
+        return Uniform(dx, h_over_dx)
     return Local(mesh.vertices, spacing, h_over_dx)

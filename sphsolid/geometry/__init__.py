@@ -2,7 +2,7 @@
 
 from sphsolid.geometry.body import AsMeshed, Blocks, Body, Box, Region, Spacing, Tagged
 from sphsolid.geometry.check_mesh import MeshReport, check_mesh
-from sphsolid.geometry.mesh import HexMesh, Mesh, TetMesh
+from sphsolid.geometry.mesh import GridMesh, HexMesh, Mesh, TetMesh
 from sphsolid.geometry.mesh_file import MeshFile
 from sphsolid.geometry.point_cloud import PointCloud, interior_lattice
 from sphsolid.geometry.surface import Surface
@@ -13,6 +13,7 @@ __all__ = [
     "Blocks",
     "Body",
     "Box",
+    "GridMesh",
     "HexMesh",
     "Mesh",
     "MeshFile",

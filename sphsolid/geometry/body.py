@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from sphsolid.errors import InputError, require
 from sphsolid.geometry.grid_mesh import Block, Triple, block_breaks, block_mesh, box_mesh, covered
-from sphsolid.geometry.mesh import HexMesh, Mesh
+from sphsolid.geometry.mesh import GridMesh, Mesh
 
 
 @dataclass(frozen=True)
@@ -58,7 +58,7 @@ class Box:
     seed: int = 0
     aspect: Triple = (1.0, 1.0, 1.0)
 
-    def mesh(self, spacing: Spacing) -> HexMesh:
+    def mesh(self, spacing: Spacing) -> GridMesh:
         """See :func:`sphsolid.geometry.grid_mesh.box_mesh`."""
         edge = chosen(spacing, "a Box")
         return box_mesh(self.lower, self.upper, edge, self.jitter, self.seed, self.aspect)
@@ -85,7 +85,7 @@ class Blocks:
     seed: int = 0
     aspect: Triple = (1.0, 1.0, 1.0)
 
-    def mesh(self, spacing: Spacing) -> HexMesh:
+    def mesh(self, spacing: Spacing) -> GridMesh:
         """See :func:`sphsolid.geometry.grid_mesh.block_mesh`."""
         edge = chosen(spacing, "Blocks")
         return block_mesh(self.blocks, edge, self.jitter, self.seed, self.aspect)

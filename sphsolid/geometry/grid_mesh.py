@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from sphsolid.errors import InputError, require
 from sphsolid.geometry.cell_shape import CORNERS
-from sphsolid.geometry.mesh import HexMesh
+from sphsolid.geometry.mesh import GridMesh
 
 Array = NDArray[np.float64]
 Triple = tuple[float, float, float]
@@ -59,7 +59,7 @@ def grid_mesh(
     keep: NDArray[np.bool_],
     jitter: float = 0.0,
     seed: int = 0,
-) -> HexMesh:
+) -> GridMesh:
     """The cells of a grid where ``keep (nx, ny, nz)``; vertices that no cell uses are left out.
 
     Tags: ``X- X+ Y- Y+ Z- Z+`` on the outermost planes; a face whose outward normal is ``+X`` on
@@ -96,12 +96,13 @@ def grid_mesh(
     place[used] = np.arange(len(used))
     # Every interval has its own whole number of cells; the smallest edge limits the step.
     edge = float(min(np.min(axis.steps) for axis in axes))
-    return HexMesh(
+    return GridMesh(
         vertices[used],
         place[cells],
         {name: place[quads] for name, quads in faces.items()},
         edge,
         is_lattice=jitter == 0.0 and all(axis.is_uniform for axis in axes),
+        widest=float(max(np.max(axis.steps) for axis in axes)),
     )
 
 
@@ -136,7 +137,7 @@ def box_mesh(
     jitter: float = 0.0,
     seed: int = 0,
     aspect: Triple = (1.0, 1.0, 1.0),
-) -> HexMesh:
+) -> GridMesh:
     """Hexahedra filling a box; tags ``X- X+ Y- Y+ Z- Z+``.
 
     Each edge is cut into ``round(length / (spacing aspect_d))`` equal cells (at least one); for
@@ -152,7 +153,7 @@ def block_mesh(
     jitter: float = 0.0,
     seed: int = 0,
     aspect: Triple = (1.0, 1.0, 1.0),
-) -> HexMesh:
+) -> GridMesh:
     """Hexahedra filling the union of axis-aligned boxes, which may overlap.
 
     All sides of the boxes are grid planes; see :func:`box_mesh` for the rounding between them and

@@ -73,6 +73,17 @@ class HexMesh(Mesh):
         return HEXAHEDRON
 
 
+@dataclass(frozen=True)
+class GridMesh(HexMesh):
+    """Hexahedra between the planes of a grid, disordered or not.
+
+    ``widest`` [m]: the longest edge of the grid; ``spacing`` is the shortest.  They differ where
+    the sides of a body are no multiples of one length.
+    """
+
+    widest: float
+
+
 def hexahedra(mesh: Mesh, what: str) -> HexMesh:
     """The mesh itself; raises ``InputError`` when ``what`` needs hexahedra and these are not."""
     if not isinstance(mesh, HexMesh):

@@ -17,6 +17,7 @@ from sphsolid.record.recorders import (
     angular_momentum,
     linear_momentum,
 )
+from sphsolid.record.recovery import Recovery
 from sphsolid.record.run_folder import RunFolder
 from sphsolid.record.snapshot import PointField, Snapshot
 from sphsolid.record.solver import Solver
@@ -41,6 +42,7 @@ __all__ = [
     "Progress",
     "ProgressLine",
     "Reactions",
+    "Recovery",
     "RunFolder",
     "Snapshot",
     "Solver",

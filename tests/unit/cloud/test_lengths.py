@@ -50,6 +50,18 @@ def test_a_mesh_that_is_not_graded_has_one_length() -> None:
     assert np.max(lengths.spacing) > 1.6 * np.min(lengths.spacing)
 
 
+def test_the_support_of_a_disordered_grid_counts_its_widest_edge() -> None:
+    mesh = Box(upper=(3.0, 3.5, 3.0), jitter=0.2).mesh(0.8)
+    lengths = lengths_of(mesh, 1.0)
+    assert isinstance(lengths, Uniform)
+    assert mesh.spacing == pytest.approx(0.75)
+    assert lengths.spacing == mesh.widest == pytest.approx(0.875)
+    cloud = build_cloud(
+        mesh, smoothing=sph.WendlandC2(), h_over_dx=1.0, operator=sph.Consistent()
+    )
+    assert cloud.h == pytest.approx(0.875)
+
+
 def test_flat_cells_reach_sideways() -> None:
     mesh = Box(upper=(1.0, 1.0, 0.25)).mesh(0.25)
     flat = dataclasses.replace(mesh, vertices=mesh.vertices * [1.0, 1.0, 0.4], is_lattice=False)

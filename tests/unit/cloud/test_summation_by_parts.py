@@ -218,6 +218,14 @@ def test_areas_of_files_integrate_quadratics(name: str, missing: float) -> None:
         assert np.max(np.abs(mesh.vertices.T @ change)) < 1e-15 * total
 
 
+@pytest.mark.parametrize("spacing", [0.85, 0.5])
+def test_a_body_with_a_notch_is_no_harder_than_a_box(spacing: float) -> None:
+    """Coarse functions in the notch reach no particle; 0.85 m makes cells of 0.75 and 0.875 m."""
+    block = cloud_of(l_shaped_block().body, spacing, tolerance=1e-3)
+    box = cloud_of(Box(upper=(6.0, 10.0, 3.0), jitter=0.2), 0.5, tolerance=1e-3)
+    assert block.iterations < 1.5 * box.iterations
+
+
 def test_what_has_no_solution_is_taken_out_and_counted() -> None:
     """The right-hand side in the null space would make conjugate gradients diverge."""
     mesh = Box(jitter=0.3, seed=2).mesh(0.25)

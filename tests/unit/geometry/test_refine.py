@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from sphsolid.errors import InputError
-from sphsolid.geometry import Box, HexMesh, Mesh, MeshFile, PointCloud, Surface, TetBox
+from sphsolid.geometry import Box, GridMesh, Mesh, MeshFile, PointCloud, Surface, TetBox
 from sphsolid.geometry.body import AS_MESHED
 from sphsolid.geometry.delaunay import open_facets
 from sphsolid.geometry.integrals import area_vectors, cell_volumes_and_centroids, vertex_volumes
@@ -82,7 +82,8 @@ def test_cells_meet_face_to_face_and_old_vertices_keep_their_numbers(name: str) 
 
 def test_a_lattice_stays_one() -> None:
     fine, direct = refined(MESHES["lattice"]), Box().mesh(0.25)
-    assert isinstance(fine, HexMesh)
+    assert isinstance(fine, GridMesh)
+    assert fine.widest == direct.widest
     assert fine.is_lattice
     for mesh in (fine, direct):
         mesh.vertices.sort(axis=0)
