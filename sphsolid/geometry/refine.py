@@ -129,7 +129,9 @@ def _refined_hexahedra(mesh: HexMesh) -> HexMesh:
         faces=_cut_faces(mesh, on_loops[:, _QUAD_CHILDREN]),
         spacing=0.5 * mesh.spacing,
     )
-    return replace(fine, widest=0.5 * mesh.widest) if isinstance(mesh, GridMesh) else fine
+    if isinstance(fine, GridMesh):
+        fine = replace(fine, widest=0.5 * fine.widest)
+    return fine
 
 
 def _refined_tetrahedra(mesh: TetMesh) -> TetMesh:
