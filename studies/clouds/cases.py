@@ -11,9 +11,12 @@ import numpy as np
 import sphsolid as sph
 from sphsolid.cloud import OperatorKind
 from sphsolid.errors import Diverged
+from sphsolid.record import Recovery, Snapshot, instant_errors, period_errors
 from sphsolid.scenes import Scene
+from sphsolid.scenes.scene import ExactSolution
 from studies.clouds.choice import Cloud, Instance, cloud_of, label_of
-from studies.convergence.cases import FORMULATIONS, cube_scene, period_errors_of
+from studies.clouds.tables import RECOVERED
+from studies.convergence.cases import FORMULATIONS, cube_scene, instants_of
 
 OPERATORS: dict[str, OperatorKind] = {
     "Literal": sph.Literal(),
@@ -61,6 +64,21 @@ def about_the_set_up(sim: sph.Simulation) -> dict[str, Any]:
     }
 
 
+def errors_of(
+    snapshots: list[Snapshot], exact: ExactSolution, spacing: float
+) -> dict[str, dict[str, float]]:
+    """Errors of one period: ``""`` of the state itself, :data:`RECOVERED` with recovered stress."""
+    recovery = Recovery()
+    fitted = [
+        replace(snapshot, P=recovery(snapshot.field("P"), spacing=spacing).values)
+        for snapshot in snapshots
+    ]
+    return {
+        added: period_errors(instant_errors(snapshot, exact) for snapshot in chosen)
+        for added, chosen in (("", snapshots), (RECOVERED, fitted))
+    }
+
+
 def cube(
     *,
     cloud: str,
@@ -75,6 +93,7 @@ def cube(
 ) -> list[dict[str, Any]]:
     """Rows of every run ``[scene, family, formulation]``: set-up once, then twelve errors each.
 
+    Twelve more with the stress recovered (``Recovery()``), as a variant of their own.
     Package defaults but for the operator, what is positive, and ``start`` (of the strain) if any.
     """
     chosen: Cloud = cloud_of(cloud)
@@ -98,15 +117,17 @@ def cube(
         started = time.perf_counter()
         setting = common | {"scene": scene, "family": family, "formulation": formulation}
         try:
-            errors = period_errors_of(sim)
+            snapshots = list(instants_of(sim))
         except Diverged as failure:
             rows.append(setting | {"kind": "lost", "why": failure.reason, "steps": sim.step})
             continue
         run_s = time.perf_counter() - started
+        errors = errors_of(snapshots, sim.scene.known_solution(), instance.h)
         rows += [
             setting
             | {
                 "kind": "error",
+                "variant": ", ".join(part for part in (variant, added) if part),
                 "field": name.split("_")[0],
                 "component": name.split("_")[1],
                 "particles": sim.cloud.size,
@@ -114,6 +135,7 @@ def cube(
                 "error": error,
                 "step_ms": 1.0e3 * run_s / sim.step,
             }
-            for name, error in errors.items()
+            for added, found in errors.items()
+            for name, error in found.items()
         ]
     return rows

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pandas as pd
 
 from studies.clouds.figures import disorder_figure, ledger_figure, orders_figure
-from studies.clouds.tables import unvaried
+from studies.clouds.tables import RECOVERED, recovered, unvaried
 from studies.clouds.verdicts import verdicts
 from studies.convergence.figures import select
 from studies.harness.front import Results
@@ -117,13 +117,46 @@ def _set_up(results: Results) -> Section:
     )
 
 
+def _recovered_section(levels: pd.DataFrame, fits: pd.DataFrame) -> Section:
+    """The stress of the particles beside the one recovered from it."""
+    keys = ["cloud", "operator", "formulation", "scene", "family", "h"]
+    stress = ["P_xx", "error_P", "slope_P", "mean_slope_P"]
+    both = fits[[*keys, *stress]].merge(
+        unvaried(levels)[[*keys, *stress]], on=keys, suffixes=(" rec.", "")
+    )
+    both = both[(both["formulation"] == "{p,F}") & (both["operator"] != "Literal")]
+    columns = [
+        "cloud", "operator", "scene", "h", "P_xx", "P_xx rec.", "error_P", "error_P rec.",
+        "slope_P", "slope_P rec.",
+    ]  # fmt: skip
+    formats = {f"{name} rec.": _ERRORS[name] for name in stress if name in _ERRORS}
+    return Section(
+        "Recovered stress",
+        [
+            Table(
+                "Stress of the particles, and recovered from it (rec.): the value of the quadratic "
+                "fitted to the stresses within 3.5 spacings. {p,F}.",
+                both[columns],
+                formats=_ERRORS | formats,
+                headings=_SHORT | {"error_P rec.": "worst P rec.", "slope_P rec.": "slope P rec."},
+            )
+        ],
+    )
+
+
 def _other_sections(results: Results) -> list[Section]:
     tables, sections = results.tables, []
     levels = tables["levels"]
-    variants = levels.drop(unvaried(levels).index)
+    fits = recovered(levels)
+    if len(fits):
+        sections.append(_recovered_section(levels, fits))
+    variants = levels.drop(unvaried(levels).index).drop(fits.index)
     if len(variants):
         set_up = tables["setup"][["variant", "h", "neighbours", "change", "iterations", "setup_s"]]
-        frame = variants.merge(set_up, on=["variant", "h"], how="left")
+        made = variants["variant"].str.removesuffix(f", {RECOVERED}")
+        frame = variants.assign(made=made).merge(
+            set_up.rename(columns={"variant": "made"}), on=["made", "h"], how="left"
+        )
         columns = [
             "variant", "h", "p_x", "P_xx", "error_p", "error_P", "slope_p", "slope_P",
             "mean_slope_P", "neighbours", "change", "iterations", "setup_s",

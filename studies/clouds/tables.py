@@ -35,6 +35,10 @@ _LEVEL = [
 ]  # fmt: skip
 
 
+#: Variant of rows whose stress was recovered from the particles' around.
+RECOVERED = "recovered stress"
+
+
 def tables(rows: list[Row]) -> Tables:
     """``table``: an error a row; ``levels``: errors and slopes; and the other kinds of rows."""
 
@@ -56,6 +60,11 @@ def tables(rows: list[Row]) -> Tables:
 def unvaried(frame: pd.DataFrame) -> pd.DataFrame:
     """Rows without a ``variant``: an empty text is read back from CSV as nothing."""
     return frame[frame["variant"].isna() | (frame["variant"] == "")]
+
+
+def recovered(frame: pd.DataFrame) -> pd.DataFrame:
+    """Rows with recovered stress and nothing else varied."""
+    return frame[frame["variant"] == RECOVERED]
 
 
 def levels(errors: pd.DataFrame) -> pd.DataFrame:

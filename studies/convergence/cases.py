@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Iterator
 from typing import Any
 
 import fem_reference as fem
 import sphsolid as sph
 from sphsolid.cloud import OperatorKind, SecondaryPoints
-from sphsolid.record import Solver, instant_errors, march, period_errors
+from sphsolid.record import Snapshot, Solver, instant_errors, march, period_errors
 from sphsolid.scenes import Scene, amplitude_of_gradient, swinging_cube
 from sphsolid.scheme.projection import AngularMomentumTreatment
 
@@ -39,14 +40,18 @@ PROJECTIONS: dict[str, AngularMomentumTreatment] = {
 }
 
 
+def instants_of(sim: Solver) -> Iterator[Snapshot]:
+    """Run one period of a scene with an exact solution: what it is at the instants."""
+    exact = sim.scene.known_solution()
+    for k in range(INSTANTS):
+        march(sim, until=(k + 0.5) * exact.period / INSTANTS)
+        yield sim.snapshot()
+
+
 def period_errors_of(sim: Solver) -> dict[str, float]:
     """Run one period of a scene with an exact solution; errors as :func:`period_errors` gives."""
     exact = sim.scene.known_solution()
-    rows = []
-    for k in range(INSTANTS):
-        march(sim, until=(k + 0.5) * exact.period / INSTANTS)
-        rows.append(instant_errors(sim.snapshot(), exact))
-    return period_errors(rows)
+    return period_errors(instant_errors(snapshot, exact) for snapshot in instants_of(sim))
 
 
 def cube_scene(scene: str, family: str, **options: float) -> Scene:
