@@ -21,7 +21,7 @@ from studies.clouds.cases import cube
 from studies.clouds.choice import cloud_of, cube_surface, folder_of, label_of
 from studies.clouds.shape_cases import SHAPES
 from studies.clouds.spectrum_cases import spectrum
-from studies.clouds.tables import levels, tables, with_slopes
+from studies.clouds.tables import RECOVERED, levels, recovered, tables, unvaried, with_slopes
 from studies.clouds.verdicts import verdicts
 from studies.harness.front import main, parse
 
@@ -285,9 +285,11 @@ def test_the_set_up_is_told_once_and_every_run_has_twelve_errors() -> None:
     runs = [["linear", "A+B+C=0", "{p,F}"], ["linear", "A=B=C", "{p,F,J}"]]
     rows = cube(cloud="tet", level=3, operator="SummationByParts", runs=runs)
     assert [row["kind"] for row in rows].count("set-up") == 1
-    assert [row["kind"] for row in rows].count("error") == 24
+    errors = [row["variant"] for row in rows if row["kind"] == "error"]
+    assert errors.count("") == 24
+    assert errors.count(RECOVERED) == 24
     made = tables(rows)
-    assert len(made["levels"]) == 2
+    assert len(unvaried(made["levels"])) == len(recovered(made["levels"])) == 2
     assert made["setup"]["neighbours"].iloc[0] > 8.0
 
 
