@@ -22,17 +22,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sphsolid.cloud.neighbours import PairList
-from sphsolid.compiled import serial_kernel
-from sphsolid.fields import GRAIN, LANES, leading
+from sphsolid.cloud.row_pattern import TOLERANCE, find_pattern, no_pattern, offsets_of
+from sphsolid.cloud.tile_runs import TileRuns, run_counts, runs_of_tiles
+from sphsolid.fields import LANES
 
 Array = NDArray[np.float64]
 Index = NDArray[np.uint64]
 
-#: Rows whose coefficients agree to this share of the largest are one stencil.
-TOLERANCE = 1.0e-12
-#: Offsets must serve at least this many rows, a run this many.
-LEAST_ROWS = 64
-LEAST_RUN = 12
 #: Stencils are padded to a multiple of this many terms; see ``scheme.tile``.
 UNROLL = 4
 
@@ -90,15 +86,6 @@ class PairOperator(NamedTuple):
         return 1.0 - len(self.exception) / max(1, self.rows)
 
 
-class _Pattern(NamedTuple):
-    """Which stencil serves a row (-1: none), and where its offsets count from."""
-
-    stencil: NDArray[np.int64]
-    base: NDArray[np.int64]
-    prototypes: list[int]
-    stencils: int
-
-
 def pair_operators(
     pairs: PairList, coefficients: list[Array], columns: int, *, stencils: bool = True
 ) -> list[PairOperator]:
@@ -108,14 +95,14 @@ def pair_operators(
     an exception: the oracle of the tests.
     """
     table = np.concatenate(coefficients, axis=1)
-    pattern = _pattern(pairs, table) if stencils else _no_pattern(pairs)
-    runs, run_of_row = _runs(pairs, pattern, columns)
+    pattern = find_pattern(pairs, table) if stencils else no_pattern(pairs)
+    runs, run_of_row = runs_of_tiles(pairs, pattern, columns)
     exception = np.flatnonzero(run_of_row == len(runs.stencil))
     first = np.searchsorted(exception, LANES * np.arange(-(-pairs.rows // LANES) + 1))
     count = np.diff(pairs.indptr)
     chosen = np.repeat(run_of_row == len(runs.stencil), count)
     indptr = np.concatenate([[0], np.cumsum(count[exception])])
-    offsets = [_offsets(pairs, row) for row in pattern.prototypes]
+    offsets = [offsets_of(pairs, row) for row in pattern.prototypes]
     common: dict[str, Any] = {
         "seen": np.cumsum([0, *(len(o) for o in offsets)]).astype(np.uint64),
         "neighbour": np.concatenate([np.zeros(0, np.int64), *offsets]).astype(np.uint64),
@@ -138,159 +125,16 @@ def pair_operators(
     ]
 
 
-def _no_pattern(pairs: PairList) -> _Pattern:
-    return _Pattern(np.full(pairs.rows, -1), np.zeros(pairs.rows, dtype=np.int64), [], 0)
-
-
-def _pattern(pairs: PairList, table: Array) -> _Pattern:
-    """Group rows with the same offsets from their first neighbour and the same coefficients."""
-    first = pairs.indices[pairs.indptr[:-1]].astype(np.int64)
-    count = np.diff(pairs.indptr)
-    offset = pairs.indices.astype(np.int64) - np.repeat(first, count)
-    largest = np.max(np.abs(table), axis=0)
-    # Rows that are probably equal: same offsets, same coefficients to nine digits.
-    signature = _row_hash(pairs, [offset, *np.rint(table / (1.0e-9 * largest)).astype(np.int64).T])
-    stencil = np.full(pairs.rows, -1)
-    prototypes: list[int] = []
-    _, example, sizes = np.unique(signature, return_index=True, return_counts=True)
-    same_offsets = _row_hash(pairs, [offset])
-    for row in example[(sizes >= LEAST_ROWS)][np.argsort(-sizes[sizes >= LEAST_ROWS])]:
-        left = np.flatnonzero((same_offsets == same_offsets[row]) & (stencil < 0))
-        own = slice(pairs.indptr[row], pairs.indptr[row + 1])
-        where = pairs.indptr[left][:, None] + np.arange(count[row])
-        same = np.all(offset[where] == offset[own], axis=1)
-        for c in range(table.shape[1]):
-            gap = np.abs(table[where, c] - table[own, c])
-            same &= np.all(gap <= TOLERANCE * largest[c], axis=1)
-        if np.count_nonzero(same) >= LEAST_ROWS:
-            stencil[left[same]] = len(prototypes)
-            prototypes.append(int(row))
-    stencils = len(prototypes)
-    rest = np.where(stencil < 0, same_offsets, 0)
-    kinds, example, sizes = np.unique(rest, return_index=True, return_counts=True)
-    for row in example[(sizes >= LEAST_ROWS) & (kinds != 0)]:
-        left = np.flatnonzero((same_offsets == same_offsets[row]) & (stencil < 0))
-        own = slice(pairs.indptr[row], pairs.indptr[row + 1])
-        where = pairs.indptr[left][:, None] + np.arange(count[row])
-        stencil[left[np.all(offset[where] == offset[own], axis=1)]] = len(prototypes)
-        prototypes.append(int(row))
-    return _Pattern(stencil, first - np.arange(pairs.rows), prototypes, stencils)
-
-
-def _row_hash(pairs: PairList, columns: list[NDArray[np.int64]]) -> NDArray[np.int64]:
-    """A number per row; equal rows of integers ``(P,)`` have equal numbers."""
-    count = np.diff(pairs.indptr)
-    place = np.arange(pairs.pairs) - np.repeat(pairs.indptr[:-1], count)
-    mixed = place * 7_919 + 1
-    for column in columns:
-        mixed = (mixed ^ column) * 1_000_003_000_003
-        mixed ^= mixed >> 29
-    return np.asarray(np.add.reduceat(mixed, pairs.indptr[:-1]) + count)
-
-
-def _offsets(pairs: PairList, row: int) -> NDArray[np.int64]:
-    seen = pairs.indices[pairs.indptr[row] : pairs.indptr[row + 1]].astype(np.int64)
-    return seen - seen[0]
-
-
-class _Runs(NamedTuple):
-    runs: Index
-    stencil: Index
-    base: Index
-    lane: Index
-    lanes: Index
-
-
-def _runs(
-    pairs: PairList, pattern: _Pattern, columns: int
-) -> tuple[_Runs, NDArray[np.uint32]]:
-    """Runs of every tile, and the run that serves each row."""
-    rows = len(pattern.stencil)
-    tiles = -(-rows // LANES)
-    reach = np.array([_offsets(pairs, row)[-1] for row in pattern.prototypes], dtype=np.int64)
-    table = np.empty((rows + 1, 4), dtype=np.int64)
-    runs = np.zeros(tiles + 1, dtype=np.int64)
-    run_of_row = np.empty(rows, dtype=np.uint32)
-    count = _find_runs(
-        pattern.stencil, pattern.base, reach, leading(columns), table, runs, run_of_row
-    )
-    stencil, base, lane, lanes = table[:count].T.astype(np.uint64)
-    return _Runs(runs.astype(np.uint64), stencil, base, lane, lanes), run_of_row
-
-
-@serial_kernel
-def _find_runs(  # type: ignore[no-untyped-def]
-    stencil, base, reach, length, table, runs, run_of_row
-):
-    rows = len(stencil)
-    count = 0
-    unserved = np.uint32(rows)
-    # Short pieces would only cut the runs on both sides of them.
-    row = 0
-    while row < rows:
-        end = row + 1
-        while end < rows and stencil[end] == stencil[row] and base[end] == base[row]:
-            end += 1
-        if end - row < LEAST_RUN:
-            for other in range(row, end):
-                stencil[other] = -1
-        row = end
-    for tile in range(len(runs) - 1):
-        at = tile * LANES
-        stop = min(at + LANES, rows)
-        for row in range(at, stop):
-            run_of_row[row] = unserved
-        row = at
-        while row < stop:
-            if stencil[row] < 0:
-                row += 1
-                continue
-            # Rows of no stencil may lie between; a row of another one ends the run.
-            last = row
-            served = 0
-            for other in range(row, stop):
-                if stencil[other] < 0:
-                    continue
-                if stencil[other] != stencil[row] or base[other] != base[row]:
-                    break
-                last = other
-                served += 1
-            lanes = (last - row + GRAIN) // GRAIN * GRAIN
-            begin = row + base[row]
-            # Every lane must read inside the field, those too many as well.
-            inside = begin >= 0 and begin + lanes + reach[stencil[row]] <= length
-            if served >= LEAST_RUN and inside:
-                table[count, 0] = stencil[row]
-                table[count, 1] = base[row]
-                table[count, 2] = row - at
-                table[count, 3] = lanes
-                for other in range(row, last + 1):
-                    if stencil[other] == stencil[row] and base[other] == base[row]:
-                        run_of_row[other] = count
-                count += 1
-            row = last + 1
-        runs[tile + 1] = count
-    for row in range(rows):
-        if run_of_row[row] == unserved:
-            run_of_row[row] = count
-    return count
-
-
-def _run_counts(runs: Index) -> NDArray[np.int64]:
-    """Number of runs of every tile ``(T,)``."""
-    return np.asarray(runs[1:] - runs[:-1], dtype=np.int64)
-
-
 def _own_values(
     pairs: PairList,
     values: Array,
-    runs: _Runs,
+    runs: TileRuns,
     run_of_row: NDArray[np.uint32],
     stencils: int,
 ) -> dict[str, Any]:
     """``own`` and ``own_value``; lanes that the run does not serve keep zeros."""
     has_own = np.flatnonzero(runs.stencil >= stencils)
-    tile_of_run = np.repeat(np.arange(len(runs.runs) - 1), _run_counts(runs.runs))
+    tile_of_run = np.repeat(np.arange(len(runs.runs) - 1), run_counts(runs.runs))
     rows = np.flatnonzero(np.isin(run_of_row, has_own))
     run = run_of_row[rows].astype(np.int64)
     length = np.zeros(len(runs.stencil), dtype=np.int64)
@@ -314,7 +158,7 @@ def _terms(
     offsets, entries = [np.zeros(0, np.int64)], [np.zeros((0, values.shape[1]))]
     for row in prototypes:
         own = slice(pairs.indptr[row], pairs.indptr[row + 1])
-        offset = _offsets(pairs, row)
+        offset = offsets_of(pairs, row)
         prototype = _antisymmetric(offset - (row - int(pairs.indices[own][0])), values[own])
         prototype = np.where(
             np.abs(prototype) > TOLERANCE * np.max(np.abs(prototype), axis=0), prototype, 0.0
@@ -390,7 +234,7 @@ def _own_places(
     """Where the own values of ``rows`` stand ``(rows, count)``."""
     run = operator.run_of_row[rows].astype(np.int64)
     tile_of_run = np.repeat(
-        np.arange(len(operator.runs) - 1), _run_counts(operator.runs)
+        np.arange(len(operator.runs) - 1), run_counts(operator.runs)
     )
     lane = rows - LANES * tile_of_run[run] - operator.lane[run].astype(np.int64)
     lanes = operator.lanes[run].astype(np.int64)
