@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import Any
 
 import pandas as pd
 
@@ -38,13 +39,17 @@ def verdicts(tables: Tables) -> Iterator[Verdict]:
     yield from _conservation(tables["conservation"])
 
 
-def _slopes(levels: pd.DataFrame) -> Iterator[Verdict]:
+def _finest(levels: pd.DataFrame) -> Iterator[tuple[str, str, pd.Series[Any]]]:
+    """Cloud, where, and the row of the finest level, of ``SummationByParts`` at large strain."""
     wanted = select(levels, operator="SummationByParts", scene="manufactured")
     for (cloud, formulation), runs in wanted.groupby(["cloud", "formulation"], sort=False):
         last = runs[runs["h"] == runs["h"].min()].iloc[0]
-        if pd.isna(last["slope_p"]):
-            continue
-        where = f"{cloud}, {formulation}, to {last['particles']:.0f} particles"
+        if not pd.isna(last["slope_P"]):
+            yield cloud, f"{cloud}, {formulation}, to {last['particles']:.0f} particles", last
+
+
+def _slopes(levels: pd.DataFrame) -> Iterator[Verdict]:
+    for cloud, where, last in _finest(levels):
         asked = cloud in ASKED
         p, P = float(last["slope_p"]), float(last["slope_P"])
         yield (
@@ -58,16 +63,12 @@ def _slopes(levels: pd.DataFrame) -> Iterator[Verdict]:
 
 
 def _recovered_slopes(levels: pd.DataFrame) -> Iterator[Verdict]:
-    wanted = select(levels, operator="SummationByParts", scene="manufactured", formulation="{p,F}")
-    for cloud, runs in wanted.groupby("cloud", sort=False):
-        last = runs[runs["h"] == runs["h"].min()].iloc[0]
-        if not pd.isna(last["slope_P"]):
-            P = float(last["slope_P"])
-            yield (
-                "recovered stress slope, manufactured",
-                f"{cloud}, {{p,F}}, to {last['particles']:.0f} particles", P, STRESS_GOAL,
-                says(P >= STRESS_GOAL) if cloud in ASKED else "reported",
-            )  # fmt: skip
+    for cloud, where, last in _finest(levels):
+        P = float(last["slope_P"])
+        yield (
+            "recovered stress slope, manufactured", where, P, STRESS_GOAL,
+            says(P >= STRESS_GOAL) if cloud in ASKED else "reported",
+        )  # fmt: skip
 
 
 def at_17(levels: pd.DataFrame) -> pd.DataFrame:

@@ -9,6 +9,7 @@ import pandas as pd
 
 from studies.harness.results import Results
 from studies.pictures.face import draw_face
+from studies.punch_cloud.bodies import HEXAHEDRA, WIDEST
 from studies.punch_cloud.cases import DEFAULT, NO_TAU_P, NONE, TETRAHEDRA
 from studies.report.plotting import (
     BLACK,
@@ -24,17 +25,18 @@ from studies.report.plotting import (
 
 LOOKS: dict[tuple[str, str], tuple[str, dict[str, Any]]] = {
     ("lattice", DEFAULT): ("lattice, H1", {"color": BLACK}),
-    ("hexahedra", DEFAULT): ("disordered hexahedra, H1", {"color": BLUE}),
+    (HEXAHEDRA, DEFAULT): ("disordered hexahedra, H1", {"color": BLUE}),
+    (WIDEST, DEFAULT): ("the same, widest edge", {"color": BLUE, "linestyle": ":"}),
     ("points", DEFAULT): ("points, no mesh, A1", {"color": VERMILION}),
     ("filled", DEFAULT): ("filled surface, A1", {"color": GREEN}),
     ("points", TETRAHEDRA): ("points, no mesh, T1", {"color": PURPLE}),
     ("points", NO_TAU_P): ("points, A1, τ_p = 0", {"color": SKY}),
-    ("hexahedra", NO_TAU_P): ("hexahedra, H1, τ_p = 0", {"color": SKY, "linestyle": "--"}),
+    (HEXAHEDRA, NO_TAU_P): ("hexahedra, H1, τ_p = 0", {"color": SKY, "linestyle": "--"}),
     ("points", NONE): ("points, no stabilisation", {"color": "0.6"}),
-    ("hexahedra", NONE): ("hexahedra, no stabilisation", {"color": "0.6", "linestyle": "--"}),
+    (HEXAHEDRA, NONE): ("hexahedra, no stabilisation", {"color": "0.6", "linestyle": "--"}),
 }
 _SHOWN = (
-    ("lattice", DEFAULT), ("hexahedra", DEFAULT), ("points", DEFAULT), ("filled", DEFAULT),
+    ("lattice", DEFAULT), (HEXAHEDRA, DEFAULT), ("points", DEFAULT), ("filled", DEFAULT),
     ("points", TETRAHEDRA), ("points", NONE),
 )  # fmt: skip
 

@@ -1,7 +1,8 @@
 """The punch on points without a mesh: ``python -m studies.punch_cloud``.
 
 The same block, once as disordered hexahedra with H1 and once as nothing but their vertices and a
-surface, with secondary particles from agglomerated Delaunay cells; {p,F,J}, defaults, nu = 0.499.
+surface, with secondary particles from agglomerated Delaunay cells; {p,F,J}, defaults, nu = 0.499,
+the same smoothing length on both.
 """
 
 from __future__ import annotations
@@ -15,6 +16,7 @@ import pandas as pd
 from studies.harness.cases import Case, Row
 from studies.harness.front import Study
 from studies.harness.results import Tables
+from studies.punch_cloud.bodies import HEXAHEDRA, WIDEST
 from studies.punch_cloud.cases import DEFAULT, NO_TAU_P, NONE, TETRAHEDRA
 from studies.punch_cloud.report import report
 from studies.punch_cloud.verdicts import verdicts
@@ -24,13 +26,14 @@ SEEDS = (1, 2, 3)
 #: Clouds and stabilisations; the first two of ``points`` are compared with ``hexahedra``.
 RUNS = (
     ("lattice", DEFAULT),
-    ("hexahedra", DEFAULT),
+    (HEXAHEDRA, DEFAULT),
+    (WIDEST, DEFAULT),
     ("points", DEFAULT),
     ("filled", DEFAULT),
     ("points", TETRAHEDRA),
-    ("hexahedra", NO_TAU_P),
+    (HEXAHEDRA, NO_TAU_P),
     ("points", NO_TAU_P),
-    ("hexahedra", NONE),
+    (HEXAHEDRA, NONE),
     ("points", NONE),
 )
 _RUN = [
@@ -62,7 +65,7 @@ def _case(
     seed: int,
     until: float,
 ) -> Case:
-    key = f"{cloud}-{stabilisation}-{cells}-seed{seed}".replace(" ", "_")
+    key = f"{cloud}-{stabilisation}-{cells}-seed{seed}".replace(", ", "_").replace(" ", "_")
     arguments = {
         "key": key, "cloud": cloud, "stabilisation": stabilisation, "cells": cells, "seed": seed,
         "until": until, "shots": str(options.out / "shots"),
@@ -92,10 +95,10 @@ def tables(rows: list[Row]) -> Tables:
         if run["stabilisation"] == TETRAHEDRA:
             same = runs["stabilisation"] == DEFAULT
         h1 = runs[
-            same & (runs["cloud"] == "hexahedra") & (runs["cells"] == run["cells"])
+            same & (runs["cloud"] == HEXAHEDRA) & (runs["cells"] == run["cells"])
             & (runs["seed"] == run["seed"])
         ]  # fmt: skip
-        if len(h1) == 1 and run["cloud"] not in ("lattice", "hexahedra"):
+        if len(h1) == 1 and run["cloud"] in ("points", "filled"):
             runs.loc[index, "against_H1"] = run["noise"] / h1["noise"].iloc[0] - 1.0
     grouped = runs.groupby(["cells", "cloud", "stabilisation"], sort=False)
     table = grouped.agg(

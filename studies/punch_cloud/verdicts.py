@@ -7,6 +7,7 @@ import math
 import pandas as pd
 
 from studies.harness.results import Tables
+from studies.punch_cloud.bodies import HEXAHEDRA
 from studies.punch_cloud.cases import DEFAULT, NONE
 
 #: How much noisier than H1 on the same points a cloud may be.
@@ -20,7 +21,7 @@ def verdicts(tables: Tables) -> pd.DataFrame:
     runs = tables["runs"]
     rows = []
     for cells, found in runs.groupby("cells", sort=False):
-        h1 = _noise(found, "hexahedra", DEFAULT)
+        h1 = _noise(found, HEXAHEDRA, DEFAULT)
         for cloud in ("points", "filled"):
             mine = found[(found["cloud"] == cloud) & (found["stabilisation"] == DEFAULT)]
             if len(mine) == 0 or math.isnan(h1):

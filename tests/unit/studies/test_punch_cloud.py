@@ -8,14 +8,14 @@ import numpy as np
 import pytest
 
 from sphsolid.geometry.integrals import vertex_volumes
-from studies.punch_cloud.bodies import body_of
-from studies.punch_cloud.cases import DEFAULT, NONE, run_case
+from studies.punch_cloud.bodies import HEXAHEDRA, WIDEST, body_of
+from studies.punch_cloud.cases import DEFAULT, NONE, run_case, simulation
 
 #: Sides of the block [m].
 SIDES = np.array([1.0, 0.1, 0.5])
 
 
-@pytest.mark.parametrize("cloud", ["lattice", "hexahedra", "points", "filled"])
+@pytest.mark.parametrize("cloud", ["lattice", HEXAHEDRA, WIDEST, "points", "filled"])
 def test_every_body_is_the_block(cloud: str) -> None:
     body, spacing = body_of(cloud, spacing=0.05, seed=3)
     mesh = body.mesh(spacing)
@@ -37,3 +37,14 @@ def test_a_short_punch_without_a_mesh(tmp_path: Path, stabilisation: str) -> Non
     assert run["missed_momentum"] < 1e-12
     assert first["top_high"] >= second["top_low"]
     assert (tmp_path / "short.npz").exists()
+
+
+def test_hexahedra_have_the_smoothing_length_of_the_points() -> None:
+    """Cells of 25 x 33 x 25 mm; with the widest edge the comparison would be one of supports."""
+    by_cloud = {
+        cloud: simulation(cloud=cloud, stabilisation=DEFAULT, cells=40, seed=1).cloud
+        for cloud in (HEXAHEDRA, "points")
+    }
+    hexahedra, points = by_cloud[HEXAHEDRA], by_cloud["points"]
+    assert hexahedra.h == pytest.approx(points.h, rel=1e-3)
+    assert hexahedra.pairs.pairs == points.pairs.pairs
