@@ -16,10 +16,10 @@ from sphsolid.cloud.gradient import (
     row_sum,
 )
 from sphsolid.cloud.lengths import Lengths, Uniform, lengths_of
-from sphsolid.cloud.neighbours import PairList, transposed
 from sphsolid.cloud.operator import Gradients, Ingredients, OperatorKind
 from sphsolid.cloud.operator_cache import gradients_of
-from sphsolid.cloud.pair_operator import PairOperator, expanded, pair_operators
+from sphsolid.cloud.pairs.neighbours import PairList, transposed
+from sphsolid.cloud.pairs.pair_operator import PairOperator, expanded, pair_operators
 from sphsolid.cloud.secondary import SecondaryPoints
 from sphsolid.cloud.smoothing import SmoothingFunction
 from sphsolid.cloud.summation_by_parts import skewness_defect

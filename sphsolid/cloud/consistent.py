@@ -39,7 +39,7 @@ from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
 from sphsolid.cloud.divergence_system import DivergenceSystem
-from sphsolid.cloud.neighbours import PairList
+from sphsolid.cloud.pairs.neighbours import PairList
 from sphsolid.errors import InputError
 
 Array = NDArray[np.float64]

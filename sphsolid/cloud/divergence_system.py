@@ -18,11 +18,11 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from sphsolid.cloud.coarse_solution import CoarseSolution, NoCoarseSolution
-from sphsolid.cloud.neighbours import PairList
-from sphsolid.cloud.plane_matrix import add_entry
-from sphsolid.cloud.spline_matrix import particle_matrix
-from sphsolid.cloud.spline_space import coarse_splines
+from sphsolid.cloud.pairs.neighbours import PairList
+from sphsolid.cloud.splines.coarse_solution import CoarseSolution, NoCoarseSolution
+from sphsolid.cloud.splines.plane_matrix import add_entry
+from sphsolid.cloud.splines.spline_matrix import particle_matrix
+from sphsolid.cloud.splines.spline_space import coarse_splines
 from sphsolid.compiled import kernel, prange, serial_kernel
 
 Array = NDArray[np.float64]

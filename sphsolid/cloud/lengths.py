@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from sphsolid.cloud.neighbours import PairList, pairs_of_lengths, pairs_within
+from sphsolid.cloud.pairs.neighbours import PairList, pairs_of_lengths, pairs_within
 from sphsolid.geometry.cell_shape import CORNERS
 from sphsolid.geometry.integrals import local_spacing
 from sphsolid.geometry.mesh import GridMesh, HexMesh, Mesh

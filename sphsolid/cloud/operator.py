@@ -18,7 +18,7 @@ from sphsolid.cloud.boundary_weights import quadratically_exact_areas
 from sphsolid.cloud.consistent import least_change
 from sphsolid.cloud.gradient import corrected_gradient, linear_kernel_gradient, offsets
 from sphsolid.cloud.lengths import Lengths
-from sphsolid.cloud.neighbours import PairList
+from sphsolid.cloud.pairs.neighbours import PairList
 from sphsolid.cloud.smoothing import SmoothingFunction
 from sphsolid.cloud.summation_by_parts import skew_gradient
 from sphsolid.errors import InputError, require

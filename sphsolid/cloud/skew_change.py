@@ -30,10 +30,10 @@ import numpy as np
 from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
-from sphsolid.cloud.coarse_solution import CoarseSolution
 from sphsolid.cloud.skew_problem import SkewProblem
-from sphsolid.cloud.spline_matrix import skew_matrix
-from sphsolid.cloud.spline_space import coarse_splines
+from sphsolid.cloud.splines.coarse_solution import CoarseSolution
+from sphsolid.cloud.splines.spline_matrix import skew_matrix
+from sphsolid.cloud.splines.spline_space import coarse_splines
 from sphsolid.compiled import kernel, prange
 
 Array = NDArray[np.float64]

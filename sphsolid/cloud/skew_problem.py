@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from sphsolid.cloud.neighbours import PairList
+from sphsolid.cloud.pairs.neighbours import PairList
 from sphsolid.compiled import kernel, prange, register_jitable
 
 Array = NDArray[np.float64]

@@ -31,7 +31,7 @@ from numpy.typing import NDArray
 
 from sphsolid.cloud.consistent import least_change
 from sphsolid.cloud.gradient import offsets, row_sum
-from sphsolid.cloud.neighbours import PairList, transposed
+from sphsolid.cloud.pairs.neighbours import PairList, transposed
 from sphsolid.cloud.skew_change import Multipliers, solve
 from sphsolid.cloud.skew_problem import SkewProblem
 from sphsolid.errors import InputError

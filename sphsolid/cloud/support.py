@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from sphsolid.cloud.gradient import offsets, row_sum
-from sphsolid.cloud.neighbours import PairList
+from sphsolid.cloud.pairs.neighbours import PairList
 from sphsolid.errors import InputError
 
 Array = NDArray[np.float64]

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sphsolid.cloud.cloud import Cloud, Secondary
-from sphsolid.cloud.pair_operator import PairOperator
+from sphsolid.cloud.pairs.pair_operator import PairOperator
 from sphsolid.fields import as_field, components, scalar_field, tensor_field, vector_field
 from sphsolid.scheme import fine_scale, galerkin, pressure
 from sphsolid.scheme.boundary import EssentialConditions, Loads

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 import sphsolid as sph
-from sphsolid.cloud.pair_operator import PairOperator
+from sphsolid.cloud.pairs.pair_operator import PairOperator
 from sphsolid.fields import components
 from sphsolid.scheme import fine_scale, galerkin, pressure, time_step
 from studies.speed import counting

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from scipy.sparse import csr_array
 
 import sphsolid as sph
-from sphsolid.cloud.neighbours import PairList
+from sphsolid.cloud.pairs.neighbours import PairList
 from sphsolid.continuum import law
 from sphsolid.continuum.tensor import cofactor, determinant, join, split
 from sphsolid.scheme.projection import project

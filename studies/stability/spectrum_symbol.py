@@ -17,8 +17,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sphsolid import SSPRK3, SUPG, SimplifiedHessian, Simulation
-from sphsolid.cloud.neighbours import PairList
-from sphsolid.cloud.pair_operator import expanded
+from sphsolid.cloud.pairs.neighbours import PairList
+from sphsolid.cloud.pairs.pair_operator import expanded
 from sphsolid.continuum import law
 from sphsolid.continuum.tensor import Tensor, cofactor, determinant, split
 from sphsolid.errors import require

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import sphsolid as sph
-from sphsolid.cloud.neighbours import PairList
+from sphsolid.cloud.pairs.neighbours import PairList
 from tests.oracles import numpy_sph
 
 Array = NDArray[np.float64]

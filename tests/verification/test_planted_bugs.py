@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 import sphsolid as sph
 from sphsolid.cloud import cloud as cloud_module
-from sphsolid.cloud.neighbours import PairList, transposed
+from sphsolid.cloud.pairs.neighbours import PairList, transposed
 from sphsolid.errors import InputError
 from sphsolid.geometry.integrals import vertex_volumes
 from sphsolid.geometry.mesh import HexMesh

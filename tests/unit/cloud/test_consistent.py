@@ -13,7 +13,7 @@ import sphsolid as sph
 from sphsolid.cloud import Cloud, build_cloud, consistency_report
 from sphsolid.cloud.consistent import divergence_defect, least_change
 from sphsolid.cloud.divergence_system import DivergenceSystem
-from sphsolid.cloud.neighbours import PairList
+from sphsolid.cloud.pairs.neighbours import PairList
 from sphsolid.errors import InputError
 from sphsolid.geometry.integrals import layers_from_boundary
 from sphsolid.scenes import Box

@@ -17,7 +17,7 @@ from sphsolid.cloud.gradient import (
     linear_kernel_gradient,
     row_sum,
 )
-from sphsolid.cloud.neighbours import pairs_within
+from sphsolid.cloud.pairs.neighbours import pairs_within
 from sphsolid.errors import InputError
 from sphsolid.geometry.cell_shape import CORNERS
 from sphsolid.scenes import Box

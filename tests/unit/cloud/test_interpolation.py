@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 import sphsolid as sph
 from sphsolid.cloud import Cloud, build_secondary
 from sphsolid.cloud.gradient import linear_interpolation, row_sum
-from sphsolid.cloud.neighbours import pairs_within
+from sphsolid.cloud.pairs.neighbours import pairs_within
 
 Array = NDArray[np.float64]
 MakeCloud = Callable[..., Cloud]

@@ -10,7 +10,7 @@ import pytest
 import sphsolid as sph
 from sphsolid.cloud import build_cloud, build_secondary, consistency_report
 from sphsolid.cloud.lengths import Local, Uniform, lengths_of, widest_spacing
-from sphsolid.cloud.neighbours import pairs_of_lengths, pairs_within
+from sphsolid.cloud.pairs.neighbours import pairs_of_lengths, pairs_within
 from sphsolid.geometry import Box, HexMesh
 
 

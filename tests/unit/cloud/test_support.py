@@ -80,7 +80,7 @@ def test_flat_neighbourhoods_are_noticed() -> None:
 def test_a_cloud_without_thickness_is_refused_with_what_to_do() -> None:
     mesh = Box(upper=(1.0, 1.0, 0.1)).mesh(0.1)
     one_layer = mesh.vertices[mesh.vertices[:, 2] == 0.0]
-    pairs = sph.cloud.neighbours.pairs_within(one_layer, one_layer, 0.15)
+    pairs = sph.cloud.pairs.neighbours.pairs_within(one_layer, one_layer, 0.15)
     with pytest.raises(InputError, match="at least two layers"):
         sph.cloud.support.check_support(
             one_layer, one_layer, pairs,

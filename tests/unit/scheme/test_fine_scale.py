@@ -9,8 +9,8 @@ import pytest
 from numpy.typing import NDArray
 
 import sphsolid as sph
-from sphsolid.cloud.neighbours import PairList, transposed
-from sphsolid.cloud.pair_operator import PairOperator, pair_operators
+from sphsolid.cloud.pairs.neighbours import PairList, transposed
+from sphsolid.cloud.pairs.pair_operator import PairOperator, pair_operators
 from sphsolid.continuum import law
 from sphsolid.continuum.tensor import Tensor, contract, scale
 from sphsolid.fields import as_field, components, scalar_field, tensor_field, vector_field

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from sphsolid.cloud.spline_space import WIDTH, Splines
+from sphsolid.cloud.splines.spline_space import WIDTH, Splines
 from sphsolid.compiled import register_jitable
 
 Array = NDArray[np.float64]

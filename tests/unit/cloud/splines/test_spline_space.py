@@ -8,8 +8,8 @@ import pytest
 import sphsolid as sph
 from sphsolid.cloud.lengths import Uniform
 from sphsolid.cloud.skew_problem import SkewProblem
-from sphsolid.cloud.spline_matrix import skew_matrix
-from sphsolid.cloud.spline_space import Splines
+from sphsolid.cloud.splines.spline_matrix import skew_matrix
+from sphsolid.cloud.splines.spline_space import Splines
 from sphsolid.geometry import Box
 
 MESH = Box(upper=(1.0, 0.7, 0.9), jitter=0.4, seed=2).mesh(0.1)

@@ -9,7 +9,7 @@ import pytest
 
 import sphsolid as sph
 from sphsolid.cloud.cloud import build_cloud, build_secondary
-from sphsolid.cloud.pair_operator import PairOperator, expanded
+from sphsolid.cloud.pairs.pair_operator import PairOperator, expanded
 from sphsolid.compiled import set_threads, threads
 from sphsolid.fields import as_field, components, tensor_field, vector_field
 from sphsolid.scenes import Box

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 import sphsolid as sph
-from sphsolid.cloud.coarse_solution import CoarseSolution
 from sphsolid.cloud.lengths import Uniform
 from sphsolid.cloud.skew_problem import SkewProblem
-from sphsolid.cloud.spline_matrix import particle_matrix, skew_matrix
-from sphsolid.cloud.spline_space import MOST_COARSE, Splines, coarse_splines
+from sphsolid.cloud.splines.coarse_solution import CoarseSolution
+from sphsolid.cloud.splines.spline_matrix import particle_matrix, skew_matrix
+from sphsolid.cloud.splines.spline_space import MOST_COARSE, Splines, coarse_splines
 from sphsolid.geometry import Box
 
 #: The longest side along each axis in turn, and a plate of one cell.

@@ -9,7 +9,7 @@ import pytest
 from numpy.typing import NDArray
 
 from sphsolid.cloud.gradient import offsets, row_sum
-from sphsolid.cloud.neighbours import PairList, pairs_within, transposed
+from sphsolid.cloud.pairs.neighbours import PairList, pairs_within, transposed
 from sphsolid.scenes import Box
 
 Array = NDArray[np.float64]

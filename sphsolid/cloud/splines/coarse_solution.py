@@ -14,8 +14,8 @@ import numpy as np
 from numpy.typing import DTypeLike, NDArray
 from scipy.linalg import cholesky, qr, solve_triangular
 
-from sphsolid.cloud.plane_matrix import PlaneMatrix
-from sphsolid.cloud.spline_space import Splines
+from sphsolid.cloud.splines.plane_matrix import PlaneMatrix
+from sphsolid.cloud.splines.spline_space import Splines
 
 Array = NDArray[np.float64]
 

@@ -13,9 +13,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from sphsolid.cloud.plane_matrix import PlaneMatrix, add_entry, empty_plane_matrix, longest_first
 from sphsolid.cloud.skew_problem import SkewProblem, monomials
-from sphsolid.cloud.spline_space import Splines
+from sphsolid.cloud.splines.plane_matrix import (
+    PlaneMatrix,
+    add_entry,
+    empty_plane_matrix,
+    longest_first,
+)
+from sphsolid.cloud.splines.spline_space import Splines
 from sphsolid.compiled import register_jitable, serial_kernel
 
 Array = NDArray[np.float64]

@@ -11,8 +11,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from sphsolid.cloud.neighbours import PairList
-from sphsolid.cloud.row_pattern import RowPattern, offsets_of
+from sphsolid.cloud.pairs.neighbours import PairList
+from sphsolid.cloud.pairs.row_pattern import RowPattern, offsets_of
 from sphsolid.compiled import serial_kernel
 from sphsolid.fields import GRAIN, LANES, leading
 

@@ -21,9 +21,9 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from sphsolid.cloud.neighbours import PairList
-from sphsolid.cloud.row_pattern import TOLERANCE, find_pattern, no_pattern, offsets_of
-from sphsolid.cloud.tile_runs import TileRuns, run_counts, runs_of_tiles
+from sphsolid.cloud.pairs.neighbours import PairList
+from sphsolid.cloud.pairs.row_pattern import TOLERANCE, find_pattern, no_pattern, offsets_of
+from sphsolid.cloud.pairs.tile_runs import TileRuns, run_counts, runs_of_tiles
 from sphsolid.fields import LANES
 
 Array = NDArray[np.float64]
