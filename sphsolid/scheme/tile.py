@@ -1,9 +1,10 @@
 """Sums over pairs and 3x3 algebra on one tile of particles, in scratch rows.
 
-A tile is ``LANES`` consecutive particles (see ``cloud.pairs.pair_operator``).  Its intermediate results
-live in *scratch rows*, one row a component, lying one after another in one flat array: distances
-between rows are constants, so the compiler knows that they do not overlap and works on several
-particles in one instruction.  Indices are unsigned for the same reason: no test for negative ones.
+A tile is ``LANES`` consecutive particles (see ``cloud.pairs.pair_operator``).  Its intermediate
+results live in *scratch rows*, one row a component, lying one after another in one flat array:
+distances between rows are constants, so the compiler knows that they do not overlap and works on
+several particles in one instruction.  Indices are unsigned for the same reason: no test for
+negative ones.
 
 Every function here is inlined into the kernels of ``galerkin``, ``fine_scale`` and ``pressure``.
 ``S`` is the scratch of one thread, ``row`` a scratch row, ``at`` the first particle of the tile.

@@ -24,6 +24,8 @@ _LETTER = 0.602
 #: Mean width of a proportional letter as a share of the font size (DejaVu Sans).
 _MEAN_LETTER = 0.52
 _LEADING = 1.35
+#: Tallest drawing: a heading above and a caption below stay on its page.
+_TALLEST, _CAPTION, _HEADING = 8.07, 0.8, 0.4
 #: A text longer than this is broken into lines inside its column.
 _LONG_TEXT = 60
 
@@ -40,6 +42,8 @@ def render(document: Document, path: Path) -> None:
     tables = figures = 0
     for number, section in enumerate(document.sections, start=1):
         writer.gap(8)
+        if section.blocks and isinstance(section.blocks[0], Figure):
+            writer.need(_HEADING + drawn_size(section.blocks[0])[1] + _CAPTION)
         writer.text(f"{number}  {section.title}", size=12.5, weight="bold", keep=5)
         for block in section.blocks:
             match block:
@@ -78,7 +82,8 @@ class _Writer:
         self.pages.append(page)
         self.y = _MARGIN
 
-    def _need(self, height: float) -> None:
+    def need(self, height: float) -> None:
+        """Go to the next page unless so many inches are left on this one."""
         if self.y + height > _HEIGHT - _MARGIN and self.y > _MARGIN:
             self._new_page()
 
@@ -89,7 +94,7 @@ class _Writer:
     def line(self, text: str, *, size: float, indent: float = 0.0, **style: Any) -> None:
         """One line of text, on the next page if this one is full."""
         height = _LEADING * size / 72.0
-        self._need(height)
+        self.need(height)
         self.pages[-1].text(
             (_MARGIN + indent) / _WIDTH,
             1.0 - self.y / _HEIGHT,
@@ -107,7 +112,7 @@ class _Writer:
         """A paragraph broken into lines; ``keep`` asks for that many lines on this page."""
         indent = 0.2 if bullet else 0.0
         plain = "".join(part for _, part in pieces(text))
-        self._need(keep * _LEADING * size / 72.0)
+        self.need(keep * _LEADING * size / 72.0)
         wide = style.get("weight") == "bold"
         letters = int((_TEXT_WIDTH - indent) * 72.0 / (size * _MEAN_LETTER * (1.12 if wide else 1)))
         lines = textwrap.wrap(plain, letters) or [""]
@@ -127,7 +132,7 @@ class _Writer:
         style: dict[str, Any] = {"size": size, "family": "monospace"}
         headed = None
         for row in rows:
-            self._need(_LEADING * size / 72.0)
+            self.need(_LEADING * size / 72.0)
             if headed is not self.pages[-1]:
                 self.line(head, weight="bold", **style)
                 self.line("─" * len(head), **style)
@@ -138,10 +143,8 @@ class _Writer:
     def figure(self, figure: Figure, number: int) -> None:
         """The PNG at its width, with its caption."""
         image = imread(figure.file("png"))
-        width = _TEXT_WIDTH * figure.width
-        height = min(width * image.shape[0] / image.shape[1], _HEIGHT - 2 * _MARGIN - 1.2)
-        width = height * image.shape[1] / image.shape[0]
-        self._need(height + 0.8)
+        width, height = drawn_size(figure)
+        self.need(height + _CAPTION)
         left = (_WIDTH - width) / 2
         axes = self.pages[-1].add_axes(
             (left / _WIDTH, 1.0 - (self.y + height) / _HEIGHT, width / _WIDTH, height / _HEIGHT)
@@ -151,6 +154,13 @@ class _Writer:
         self.y += height + 0.1
         self.text(f"Figure {number}: {figure.caption}", size=9)
         self.gap(6)
+
+
+def drawn_size(figure: Figure) -> tuple[float, float]:
+    """Width and height in inches: the width that was asked for, or less where it is too tall."""
+    rows, columns = imread(figure.file("png")).shape[:2]
+    height = min(_TEXT_WIDTH * figure.width * rows / columns, _TALLEST)
+    return height * columns / rows, height
 
 
 def _aligned(table: Table) -> Iterator[str]:

@@ -22,6 +22,11 @@ _PREAMBLE = """
 #show figure.caption: it => block(sticky: true, align(left, text(size: 0.9em, it)))
 #set table(stroke: none, inset: (x: 3.5pt, y: 2.6pt))
 #show table.cell.where(y: 0): strong
+// As wide as asked, unless a heading above and a caption below would then leave the page.
+#let drawing(name, width) = layout(room => {
+  let wide = image(name, width: width * room.width)
+  if measure(wide).height > 205mm { image(name, height: 205mm) } else { wide }
+})
 """
 
 #: Characters that fit into the width of the text at 9 pt, columns and gaps together.
@@ -77,7 +82,7 @@ def _section(section: Section, parts: list[str], folder: Path, figures: int) -> 
                 name = f"figure-{figures}.pdf"
                 shutil.copyfile(block.file("pdf"), folder / name)
                 parts.append(
-                    f"#figure(image({quote(name)}, width: {100 * block.width:.4g}%), "
+                    f"#figure(drawing({quote(name)}, {block.width:.4g}), "
                     f"caption: [{markup(block.caption)}])"
                 )
     return figures

@@ -39,13 +39,13 @@ ENGINES = [
 HOSTILE = '#1 $x$ <a> *b* _c_ @d \\e "f" [g] {h} ~ // = - + {p, F}, τ_F = Δt, ∇·P'
 
 
-def text_of(path) -> str:
-    """Text of a PDF with all white space made single, soft hyphens of line ends undone."""
+def text_of(path, page_breaks=False) -> str:
+    """Text of a PDF with white space made single; form feeds stay where they are wanted."""
     if shutil.which("pdftotext") is None:
         pytest.skip("pdftotext (poppler) is not installed, so the text of a PDF cannot be read")
     command = ["pdftotext", "-layout", str(path), "-"]
     made = subprocess.run(command, capture_output=True, text=True, check=True).stdout
-    return re.sub(r"\s+", " ", made)
+    return re.sub(r"[^\S\f]+" if page_breaks else r"\s+", " ", made)
 
 
 def pages_of(path) -> int:
@@ -108,6 +108,26 @@ def test_same_document_same_bytes(engine, document, tmp_path):
         write_pdf(document, tmp_path / name, engine=engine)
     assert (tmp_path / "a.pdf").read_bytes() == (tmp_path / "b.pdf").read_bytes()
     assert str(tmp_path).encode() not in (tmp_path / "a.pdf").read_bytes()
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+def test_a_tall_figure_stays_on_the_page_of_its_heading(engine, tmp_path):
+    figure, axes = panels(1, 1, width=3.0, height=9.0)
+    axes[0, 0].set(title="topmost", xlabel="lowest")
+    save_figure(figure, tmp_path / "tall")
+    path = tmp_path / "tall.pdf.pdf"
+    sections = [
+        Section("First", [Paragraph("before")]),
+        Section("Heading", [Figure("A caption. " * 25 + "Last.", tmp_path / "tall")]),
+    ]
+    write_pdf(Document("Tall", "", sections), path, engine=engine)
+    assert pages_of(path) == 2
+    pages = text_of(path, page_breaks=True).split("\f")
+    (page,) = [text for text in pages if "Heading" in text]
+    assert "Last." in page
+    if engine == "typst":
+        assert "topmost" in page
+        assert "lowest" in page
 
 
 @pytest.mark.parametrize("engine", ENGINES)
