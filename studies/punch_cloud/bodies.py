@@ -2,17 +2,42 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
-from sphsolid.geometry import Body, GridMesh, PointCloud, Surface
+from sphsolid.geometry import Body, HexMesh, PointCloud, Surface
 from sphsolid.geometry.body import AS_MESHED, Spacing
 from sphsolid.geometry.integrals import vertex_volumes
 from sphsolid.scenes.punch import block
 
-#: The block as hexahedra with the smoothing length of points, and with its own.
+#: The block as a mesh of hexahedra, and as a grid, which counts its widest edge.
 HEXAHEDRA, WIDEST = "hexahedra", "hexahedra, widest edge"
 #: Disorder: every particle is off its place by at most this half, in spacings and components.
 JITTER = 0.4
+
+
+@dataclass(frozen=True)
+class Ungridded:
+    """The hexahedra of a body as a file would bring them, without the planes of its grid.
+
+    ``dx`` is then the edge of a cube of the mean volume, as it is for the same particles without a
+    mesh: one smoothing length and one gradient, and only the secondary points differ.  On cells of
+    25 x 33 x 25 mm the widest edge is a fifth longer and sees two thirds more neighbours.
+    """
+
+    body: Body
+
+    def mesh(self, spacing: Spacing) -> HexMesh:
+        """The same vertices, cells and faces."""
+        grid = self.body.mesh(spacing)
+        edge = float(np.cbrt(np.sum(vertex_volumes(grid)) / len(grid.cells)))
+        return HexMesh(grid.vertices, grid.cells, grid.faces, edge, is_lattice=False)
+
+    @property
+    def volume(self) -> float:
+        """That of the body [m^3]."""
+        return self.body.volume
 
 
 def points_of_block(*, spacing: float, jitter: float, seed: int) -> PointCloud:
@@ -37,19 +62,10 @@ def body_of(cloud: str, *, spacing: float, seed: int) -> tuple[Body, Spacing]:
     """A body by name and the spacing it is to be meshed with."""
     if cloud == "lattice":
         return block(), spacing
-    if cloud in (HEXAHEDRA, WIDEST):
+    if cloud == HEXAHEDRA:
+        return Ungridded(block(jitter=JITTER, seed=seed)), spacing
+    if cloud == WIDEST:
         return block(jitter=JITTER, seed=seed), spacing
     if cloud == "points":
         return points_of_block(spacing=spacing, jitter=JITTER, seed=seed), AS_MESHED
     return filled_block(spacing=spacing, jitter=JITTER, seed=seed), AS_MESHED
-
-
-def length_of_points(body: Body, spacing: Spacing) -> float:
-    """What scales the smoothing length of disordered hexahedra to that of the same points.
-
-    A disordered grid counts its widest edge, points the edge of a cube of their mean volume: on
-    cells of 25 x 33 x 25 mm these differ by a fifth, and neighbours by two thirds.
-    """
-    mesh = body.mesh(spacing)
-    assert isinstance(mesh, GridMesh)
-    return float(np.cbrt(np.sum(vertex_volumes(mesh)) / len(mesh.cells))) / mesh.widest

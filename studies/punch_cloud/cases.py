@@ -18,7 +18,7 @@ from sphsolid.scenes import punch
 from sphsolid.scenes.punch import HEIGHT
 from sphsolid.scheme.stabilisation import SUPG
 from studies.pictures.face import save_face
-from studies.punch_cloud.bodies import HEXAHEDRA, body_of, length_of_points
+from studies.punch_cloud.bodies import body_of
 from studies.report.indicators import pressure_noise, pressure_range
 from studies.report.scattered_noise import scattered_noise
 
@@ -29,20 +29,14 @@ DEFAULT, TETRAHEDRA, NO_TAU_P, NONE = "default", "T1", "no tau_p", "none"
 
 
 def simulation(*, cloud: str, stabilisation: str, cells: int, seed: int) -> sph.Simulation:
-    """{p,F,J} on one of the bodies, everything else but the stabilisation left to the package.
-
-    ``hexahedra`` have the smoothing length of ``points``, so that only secondary points differ.
-    """
+    """{p,F,J} on one of the bodies, everything else but the stabilisation left to the package."""
     body, spacing = body_of(cloud, spacing=1.0 / cells, seed=seed)
     scene = punch(body=body)
     usual = sph.Simulation(scene, spacing=spacing, formulation=sph.PFJ())
-    ratio = usual.h_over_dx
-    if cloud == HEXAHEDRA:
-        ratio *= length_of_points(body, spacing)
-    elif stabilisation == DEFAULT:
+    if stabilisation == DEFAULT:
         return usual
-    chosen: Any = usual.stabilisation if stabilisation == DEFAULT else sph.NoStabilisation()
-    if stabilisation in (TETRAHEDRA, NO_TAU_P):
+    chosen: Any = sph.NoStabilisation()
+    if stabilisation != NONE:
         given = usual.stabilisation
         assert isinstance(given, SUPG)
         chosen = SUPG(
@@ -53,7 +47,7 @@ def simulation(*, cloud: str, stabilisation: str, cells: int, seed: int) -> sph.
             secondary=T1() if stabilisation == TETRAHEDRA else given.secondary,
         )
     return sph.Simulation(
-        scene, spacing=spacing, formulation=sph.PFJ(), stabilisation=chosen, h_over_dx=ratio
+        scene, spacing=spacing, formulation=sph.PFJ(), stabilisation=chosen
     )
 
 

@@ -75,9 +75,10 @@ def report(results: Results) -> Document:
                     Paragraph(
                         f"hexahedra: the block with a jitter of {JITTER:g}, so every particle is "
                         f"off its place by at most {JITTER / 2:g} spacings a component, with the "
-                        "smoothing length of the points (the edge of a cube of their mean volume); "
-                        "widest edge: with that of a disordered grid, which counts its widest "
-                        "edge and sees two thirds more neighbours at 40 cells a metre. points: "
+                        "smoothing length of the points (of the edge of a cube of the mean "
+                        "volume), so that only the secondary points differ; widest edge: with "
+                        "that of a disordered grid, which counts its widest edge and sees two "
+                        "thirds more neighbours at 40 cells a metre. points: "
                         "the same particles, but only their positions and the triangles of the "
                         "surface are given; Delaunay cells, volumes and secondary particles are "
                         "found from these. filled: the same surface, filled by another disordered "

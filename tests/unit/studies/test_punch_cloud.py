@@ -9,7 +9,7 @@ import pytest
 
 from sphsolid.cloud.lengths import Uniform, lengths_of
 from sphsolid.geometry.integrals import vertex_volumes
-from studies.punch_cloud.bodies import HEXAHEDRA, WIDEST, body_of, length_of_points
+from studies.punch_cloud.bodies import HEXAHEDRA, WIDEST, body_of
 from studies.punch_cloud.cases import DEFAULT, NONE, run_case
 
 #: Sides of the block [m].
@@ -42,11 +42,9 @@ def test_a_short_punch_without_a_mesh(tmp_path: Path, stabilisation: str) -> Non
 
 def test_hexahedra_have_the_smoothing_length_of_the_points() -> None:
     """Cells of 25 x 33 x 25 mm; with the widest edge the comparison would be one of supports."""
-    body, spacing = body_of(HEXAHEDRA, spacing=1 / 40, seed=1)
-    points, as_meshed = body_of("points", spacing=1 / 40, seed=1)
-    hexahedra = lengths_of(body.mesh(spacing), length_of_points(body, spacing))
-    alone = lengths_of(points.mesh(as_meshed), 1.0)
-    assert isinstance(hexahedra, Uniform)
-    assert isinstance(alone, Uniform)
-    assert hexahedra.spacing > 1.2 * alone.spacing
-    assert hexahedra.h_over_dx * hexahedra.spacing == pytest.approx(alone.spacing, rel=1e-3)
+    bodies = [body_of(cloud, spacing=1 / 40, seed=1) for cloud in (HEXAHEDRA, "points", WIDEST)]
+    hexahedra, points, grid = (lengths_of(body.mesh(spacing), 1.0) for body, spacing in bodies)
+    for lengths in (hexahedra, points, grid):
+        assert isinstance(lengths, Uniform)
+    assert hexahedra.spacing == pytest.approx(points.spacing, rel=1e-12)
+    assert grid.spacing > 1.2 * points.spacing
