@@ -22,7 +22,7 @@ class Ungridded:
     """The hexahedra of a body as a file would bring them, without the planes of its grid.
 
     ``dx`` is then the edge of a cube of the mean volume, as it is for the same particles without a
-    mesh: one smoothing length and one gradient, and only the secondary points differ.  On cells of
+    mesh: the same neighbours, and what differs are volumes and secondary points.  On cells of
     25 x 33 x 25 mm the widest edge is a fifth longer and sees two thirds more neighbours.
     """
 

@@ -76,7 +76,7 @@ def report(results: Results) -> Document:
                         f"hexahedra: the block with a jitter of {JITTER:g}, so every particle is "
                         f"off its place by at most {JITTER / 2:g} spacings a component, with the "
                         "smoothing length of the points (of the edge of a cube of the mean "
-                        "volume), so that only the secondary points differ; widest edge: with "
+                        "volume), so that volumes and secondary points differ; widest edge: with "
                         "that of a disordered grid, which counts its widest edge and sees two "
                         "thirds more neighbours at 40 cells a metre. points: "
                         "the same particles, but only their positions and the triangles of the "
