@@ -29,7 +29,12 @@ def after(scene: Scene, steps: int, **options: Any) -> sph.Simulation:
     return sim
 
 
-def order(scene: Scene, name: str, **options: Any) -> float:
-    """Power of the step with which the field ``name`` of 32, 64 and 128 steps converges."""
-    runs = [getattr(after(scene, n, **options).state, name) for n in (32, 64, 128)]
-    return float(np.log2(np.linalg.norm(runs[0] - runs[1]) / np.linalg.norm(runs[1] - runs[2])))
+def orders(scene: Scene, names: str, **options: Any) -> dict[str, float]:
+    """Power of the step with which each field of 32, 64 and 128 steps converges."""
+    states = [after(scene, n, **options).state for n in (32, 64, 128)]
+    found = {}
+    for name in names:
+        coarse, middle, fine = (getattr(state, name) for state in states)
+        ratio = np.linalg.norm(coarse - middle) / np.linalg.norm(middle - fine)
+        found[name] = float(np.log2(ratio))
+    return found
