@@ -52,7 +52,9 @@ def _support(sim: Simulation) -> str:
     if isinstance(c.lengths, Local):
         small, large = ratio * np.min(c.lengths.spacing), ratio * np.max(c.lengths.spacing)
         return f"support {small:.4g} to {large:.4g} m = {ratio:.3g} times the local spacing"
-    return f"support {c.smoothing.support * c.h:.4g} m = {ratio:.3g} dx"
+    dx = c.lengths.nominal
+    unit = "dx" if math.isclose(dx, c.spacing) else f"times the widest edge, {dx:.4g} m"
+    return f"support {c.smoothing.support * c.h:.4g} m = {ratio:.3g} {unit}"
 
 
 def _why(sim: Simulation) -> str:

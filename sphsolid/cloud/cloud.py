@@ -15,7 +15,7 @@ from sphsolid.cloud.gradient import (
     offsets,
     row_sum,
 )
-from sphsolid.cloud.lengths import Lengths, Uniform, lengths_of
+from sphsolid.cloud.lengths import Lengths, lengths_of
 from sphsolid.cloud.operator import Gradients, Ingredients, OperatorKind
 from sphsolid.cloud.operator_cache import gradients_of
 from sphsolid.cloud.pairs.neighbours import PairList, transposed
@@ -59,8 +59,7 @@ class Cloud:
     @property
     def h(self) -> float:
         """Nominal smoothing length [m]; ``lengths`` has those of a graded cloud."""
-        known = self.lengths.spacing if isinstance(self.lengths, Uniform) else self.spacing
-        return self.lengths.h_over_dx * known
+        return self.lengths.h_over_dx * self.lengths.nominal
 
     def areas_of(self, face: str) -> Array:
         """Area vectors of a tag ``(N, 3)`` [m^2]; those of all tags add up to :attr:`areas`."""

@@ -11,7 +11,7 @@ from scipy.spatial import cKDTree
 from sphsolid.cloud.pairs.neighbours import PairList, pairs_of_lengths, pairs_within
 from sphsolid.geometry.cell_shape import CORNERS
 from sphsolid.geometry.integrals import local_spacing
-from sphsolid.geometry.mesh import GridMesh, HexMesh, Mesh
+from sphsolid.geometry.mesh import HexMesh, Mesh
 
 Array = NDArray[np.float64]
 #: Most that flat cells lengthen the spacing by: to reach the second neighbours sideways.
@@ -26,6 +26,11 @@ class Uniform:
 
     spacing: float
     h_over_dx: float
+
+    @property
+    def nominal(self) -> float:
+        """``dx`` [m]."""
+        return self.spacing
 
     def pairs(self, points: Array, particles: Array, support: float) -> PairList:
         """Particles within the support of every point."""
@@ -47,6 +52,11 @@ class Local:
     particles: Array
     spacing: Array
     h_over_dx: float
+
+    @property
+    def nominal(self) -> float:
+        """Mean ``dx_a`` [m]."""
+        return float(np.mean(self.spacing))
 
     def pairs(self, points: Array, particles: Array, support: float) -> PairList:
         """Particles within the support of every point; symmetric among the particles."""
@@ -115,6 +125,5 @@ def lengths_of(mesh: Mesh, h_over_dx: float) -> Lengths:
         return Uniform(mesh.spacing, h_over_dx)
     spacing = widest_spacing(mesh)
     if np.max(spacing) <= GRADED * np.min(spacing):
-        dx = mesh.widest if isinstance(mesh, GridMesh) else mesh.spacing
-        return Uniform(dx, h_over_dx)
+        return Uniform(mesh.widest, h_over_dx)
     return Local(mesh.vertices, spacing, h_over_dx)

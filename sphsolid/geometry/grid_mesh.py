@@ -96,13 +96,14 @@ def grid_mesh(
     place[used] = np.arange(len(used))
     # Every interval has its own whole number of cells; the smallest edge limits the step.
     edge = float(min(np.min(axis.steps) for axis in axes))
+    longest = float(max(np.max(axis.steps) for axis in axes))
     return GridMesh(
         vertices[used],
         place[cells],
         {name: place[quads] for name, quads in faces.items()},
         edge,
         is_lattice=jitter == 0.0 and all(axis.is_uniform for axis in axes),
-        widest=float(max(np.max(axis.steps) for axis in axes)),
+        elongation=longest / edge,
     )
 
 

@@ -35,6 +35,11 @@ class Mesh:
         """Shape of the cells."""
         raise NotImplementedError
 
+    @property
+    def widest(self) -> float:
+        """Length [m] that a support of one size counts: ``spacing`` unless a mesh knows better."""
+        return self.spacing
+
     def face(self, name: str) -> Indices:
         """Facets of a tag; raises ``InputError`` naming the tags there are."""
         if name not in self.faces or len(self.faces[name]) == 0:
@@ -77,11 +82,16 @@ class HexMesh(Mesh):
 class GridMesh(HexMesh):
     """Hexahedra between the planes of a grid, disordered or not.
 
-    ``widest`` [m]: the longest edge of the grid; ``spacing`` is the shortest.  They differ where
-    the sides of a body are no multiples of one length.
+    ``elongation``: the longest edge of the grid over the shortest, which is ``spacing``.  They
+    differ where the sides of a body are no multiples of one length.
     """
 
-    widest: float
+    elongation: float
+
+    @property
+    def widest(self) -> float:
+        """The longest edge of the grid [m]."""
+        return self.elongation * self.spacing
 
 
 def hexahedra(mesh: Mesh, what: str) -> HexMesh:

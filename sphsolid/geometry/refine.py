@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from sphsolid.errors import InputError, require
 from sphsolid.geometry.body import Body, Spacing
 from sphsolid.geometry.cell_shape import CORNERS
-from sphsolid.geometry.mesh import GridMesh, HexMesh, Mesh, TetMesh
+from sphsolid.geometry.mesh import HexMesh, Mesh, TetMesh
 from sphsolid.geometry.point_mesh import PointMesh
 
 Array = NDArray[np.float64]
@@ -122,16 +122,13 @@ def _refined_hexahedra(mesh: HexMesh) -> HexMesh:
         if wanted:
             rest = found[len(cells) * len(places) :].reshape(len(wanted), len(loops))
             on_loops[:, {2: [4, 5, 6, 7], 4: [8]}[size]] = rest.T
-    fine = replace(
+    return replace(
         mesh,
         vertices=points.vertices,
         cells=number[:, _HEX_CHILDREN].reshape(-1, 8),
         faces=_cut_faces(mesh, on_loops[:, _QUAD_CHILDREN]),
         spacing=0.5 * mesh.spacing,
     )
-    if isinstance(fine, GridMesh):
-        fine = replace(fine, widest=0.5 * fine.widest)
-    return fine
 
 
 def _refined_tetrahedra(mesh: TetMesh) -> TetMesh:

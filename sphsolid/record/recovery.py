@@ -1,9 +1,9 @@
 """Recovered fields: a local least-squares polynomial through what a method computed.
 
 On a disordered cloud the stress of a particle has an error of ``O(dx)`` that changes from one
-particle to the next, and more of it beside the boundary.  Its mean over a neighbourhood is of
-higher order, because the operators that made it sum by parts: what one particle has too much
-its neighbours have too little.  The polynomial ``q`` of degree two that minimises
+particle to the next, and more of it beside the boundary.  Much of it cancels over a
+neighbourhood, because the operators that made it sum by parts: what one particle has too much its
+neighbours have too little.  The polynomial ``q`` of degree two that minimises
 
     sum_b V_b W(|X_b - X_a| / radius) |q(X_b) - P_b|^2
 
@@ -37,8 +37,8 @@ _FLATNESS = 1.0e-8
 class Recovery:
     """Patches of ``radius`` spacings around every point, polynomials of ``degree`` 1 or 2.
 
-    The default is the one with the smallest errors on clouds (``studies.clouds``); it needs 15
-    points within 3.5 spacings of every point.
+    The default had the smallest errors in trials; ``studies.clouds`` measures what it gains.  It
+    needs 15 points within 3.5 spacings of every point.
     """
 
     radius: float = 3.5

@@ -15,9 +15,10 @@ from sphsolid.record import Recovery, Snapshot, instant_errors, period_errors
 from sphsolid.scenes import Scene
 from sphsolid.scenes.scene import ExactSolution
 from studies.clouds.choice import Cloud, Instance, cloud_of, label_of
-from studies.clouds.tables import RECOVERED
 from studies.convergence.cases import FORMULATIONS, cube_scene, instants_of
 
+#: Variant of rows whose stress was recovered from the particles' around.
+RECOVERED = "recovered stress"
 OPERATORS: dict[str, OperatorKind] = {
     "Literal": sph.Literal(),
     "Consistent": sph.Consistent(),

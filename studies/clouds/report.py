@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import pandas as pd
 
+from studies.clouds.cases import RECOVERED
 from studies.clouds.figures import disorder_figure, ledger_figure, orders_figure
-from studies.clouds.tables import RECOVERED, recovered, unvaried
+from studies.clouds.tables import recovered, unvaried
 from studies.clouds.verdicts import verdicts
 from studies.convergence.figures import select
 from studies.harness.front import Results

@@ -7,6 +7,7 @@ from itertools import pairwise
 
 import pandas as pd
 
+from studies.clouds.cases import RECOVERED
 from studies.harness.cases import Row
 from studies.harness.results import Tables
 
@@ -33,10 +34,6 @@ _LEVEL = [
     *SETTING, "variant", "h", "particles", "p_x", "P_xx", "error_p", "error_P", "slope_p",
     "slope_P", "mean_slope_P",
 ]  # fmt: skip
-
-
-#: Variant of rows whose stress was recovered from the particles' around.
-RECOVERED = "recovered stress"
 
 
 def tables(rows: list[Row]) -> Tables:

@@ -13,6 +13,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.backends.backend_pdf import PdfPages
 from matplotlib.figure import Figure as Page
 from matplotlib.image import imread
+from PIL import Image
 
 from studies.report.document import Bullets, Document, Figure, Paragraph, Table, pieces
 
@@ -43,7 +44,7 @@ def render(document: Document, path: Path) -> None:
     for number, section in enumerate(document.sections, start=1):
         writer.gap(8)
         if section.blocks and isinstance(section.blocks[0], Figure):
-            writer.need(_HEADING + drawn_size(section.blocks[0])[1] + _CAPTION)
+            writer.need(_HEADING + _drawn_size(section.blocks[0])[1] + _CAPTION)
         writer.text(f"{number}  {section.title}", size=12.5, weight="bold", keep=5)
         for block in section.blocks:
             match block:
@@ -143,7 +144,7 @@ class _Writer:
     def figure(self, figure: Figure, number: int) -> None:
         """The PNG at its width, with its caption."""
         image = imread(figure.file("png"))
-        width, height = drawn_size(figure)
+        width, height = _drawn_size(figure)
         self.need(height + _CAPTION)
         left = (_WIDTH - width) / 2
         axes = self.pages[-1].add_axes(
@@ -156,9 +157,10 @@ class _Writer:
         self.gap(6)
 
 
-def drawn_size(figure: Figure) -> tuple[float, float]:
+def _drawn_size(figure: Figure) -> tuple[float, float]:
     """Width and height in inches: the width that was asked for, or less where it is too tall."""
-    rows, columns = imread(figure.file("png")).shape[:2]
+    with Image.open(figure.file("png")) as image:
+        columns, rows = image.size
     height = min(_TEXT_WIDTH * figure.width * rows / columns, _TALLEST)
     return height * columns / rows, height
 

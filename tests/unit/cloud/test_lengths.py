@@ -12,6 +12,8 @@ from sphsolid.cloud import build_cloud, build_secondary, consistency_report
 from sphsolid.cloud.lengths import Local, Uniform, lengths_of, widest_spacing
 from sphsolid.cloud.pairs.neighbours import pairs_of_lengths, pairs_within
 from sphsolid.geometry import Box, HexMesh
+from sphsolid.scenes import Scene
+from tests.oracles.blocks import RUBBER
 
 
 def graded(ratio: float = 4.0) -> HexMesh:
@@ -55,11 +57,20 @@ def test_the_support_of_a_disordered_grid_counts_its_widest_edge() -> None:
     lengths = lengths_of(mesh, 1.0)
     assert isinstance(lengths, Uniform)
     assert mesh.spacing == pytest.approx(0.75)
-    assert lengths.spacing == mesh.widest == pytest.approx(0.875)
+    assert lengths.spacing == mesh.widest == pytest.approx(0.875, rel=1e-12)
     cloud = build_cloud(
         mesh, smoothing=sph.WendlandC2(), h_over_dx=1.0, operator=sph.Consistent()
     )
     assert cloud.h == pytest.approx(0.875)
+
+
+def test_the_plan_says_which_edge_the_support_counts() -> None:
+    def support(upper: tuple[float, float, float]) -> str:
+        scene = Scene("bar", Box(upper=upper, jitter=0.2), RUBBER, 1.0)
+        return sph.Simulation(scene, spacing=0.8).plan()
+
+    assert "support 1.75 m = 2 times the widest edge, 0.875 m" in support((3.0, 3.5, 3.0))
+    assert "support 1.5 m = 2 dx" in support((3.0, 3.0, 3.0))
 
 
 def test_flat_cells_reach_sideways() -> None:

@@ -17,11 +17,11 @@ from sphsolid.errors import InputError
 from sphsolid.geometry import Box
 from sphsolid.geometry.body import AS_MESHED
 from studies.clouds import study as clouds
-from studies.clouds.cases import cube
+from studies.clouds.cases import RECOVERED, cube
 from studies.clouds.choice import cloud_of, cube_surface, folder_of, label_of
 from studies.clouds.shape_cases import SHAPES
 from studies.clouds.spectrum_cases import spectrum
-from studies.clouds.tables import RECOVERED, levels, recovered, tables, unvaried, with_slopes
+from studies.clouds.tables import levels, recovered, tables, unvaried, with_slopes
 from studies.clouds.verdicts import verdicts
 from studies.harness.front import main, parse
 
