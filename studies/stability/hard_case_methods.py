@@ -19,6 +19,8 @@ from studies.convergence.cases import FORMULATIONS, OPERATORS, SECONDARY
 Simulation = fem.Simulation | sph.Simulation
 #: Leaves the choice to the package: ``h_over_dx`` by the cloud, ``tau_p`` by formulation and solid.
 CHOSEN = -1.0
+#: Leaves the operator to the package: another one where particles are disordered.
+BY_CLOUD = "by cloud"
 INTEGRATORS: dict[str, Integrator] = {
     each.name: each for each in (sph.PositionVerlet(), sph.SSPRK3(), sph.TVDRK2())
 }
@@ -37,7 +39,7 @@ class Method:
     solver: str = "SUPG-SPH"
     formulation: str = "{p,F,J}"
     secondary: str = "H1"
-    operator: str = "Consistent"
+    operator: str = BY_CLOUD
     weighting: str = "self-adjoint"
     tau_F: float = 1.0
     xi_F: float = 0.0
@@ -59,7 +61,7 @@ class Method:
             spacing=spacing,
             formulation=FORMULATIONS[self.formulation](),
             stabilisation=self._stabilisation(scene),
-            operator=OPERATORS[self.operator],
+            operator=None if self.operator == BY_CLOUD else OPERATORS[self.operator],
             h_over_dx=None if self.h_over_dx == CHOSEN else self.h_over_dx,
             cfl=self.cfl,
             integrator=INTEGRATORS[self.integrator],
