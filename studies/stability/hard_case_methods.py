@@ -14,13 +14,11 @@ from sphsolid.defaults import (
     default_stabilisation,
 )
 from sphsolid.scenes import Scene
-from studies.convergence.cases import FORMULATIONS, OPERATORS, SECONDARY
+from studies.convergence.cases import FORMULATIONS, SECONDARY
 
 Simulation = fem.Simulation | sph.Simulation
 #: Leaves the choice to the package: ``h_over_dx`` by the cloud, ``tau_p`` by formulation and solid.
 CHOSEN = -1.0
-#: Leaves the operator to the package: another one where particles are disordered.
-BY_CLOUD = "by cloud"
 INTEGRATORS: dict[str, Integrator] = {
     each.name: each for each in (sph.PositionVerlet(), sph.SSPRK3(), sph.TVDRK2())
 }
@@ -29,6 +27,8 @@ INTEGRATORS: dict[str, Integrator] = {
 @dataclass(frozen=True)
 class Method:
     """One method with all its settings, as plain values so that a case can carry them.
+
+    The operator is the package's choice for the cloud: another one where particles are disordered.
 
     ``solver`` is ``SUPG-SPH``, ``SPH`` (no stabilisation) or ``B-bar FEM``; ``cfl`` is that of the
     method's own rule.  With ``weighting`` ``self-adjoint`` ``tau_F`` is in units of the default's,
@@ -39,7 +39,6 @@ class Method:
     solver: str = "SUPG-SPH"
     formulation: str = "{p,F,J}"
     secondary: str = "H1"
-    operator: str = BY_CLOUD
     weighting: str = "self-adjoint"
     tau_F: float = 1.0
     xi_F: float = 0.0
@@ -61,7 +60,6 @@ class Method:
             spacing=spacing,
             formulation=FORMULATIONS[self.formulation](),
             stabilisation=self._stabilisation(scene),
-            operator=None if self.operator == BY_CLOUD else OPERATORS[self.operator],
             h_over_dx=None if self.h_over_dx == CHOSEN else self.h_over_dx,
             cfl=self.cfl,
             integrator=INTEGRATORS[self.integrator],
@@ -92,7 +90,7 @@ BASE = Method(
     cfl=default_cfl(default_integrator()),
 )
 FEM = Method(
-    "B-bar FEM", solver="B-bar FEM", formulation="-", secondary="-", operator="-",
+    "B-bar FEM", solver="B-bar FEM", formulation="-", secondary="-",
     weighting="-", tau_F=0.0, tau_p=0.0, integrator="-", cfl=0.6,
 )  # fmt: skip
 _PLAIN = replace(BASE, solver="SPH", secondary="-", weighting="-", tau_F=0.0, tau_p=0.0)

@@ -44,10 +44,11 @@ def energy_balance(history: History) -> dict[str, float]:
     }
 
 
-def _row(history: History, lost: dict[str, Any], particles: int) -> dict[str, Any]:
+def _row(history: History, lost: dict[str, Any], solver: Simulation) -> dict[str, Any]:
     noise = history["noise"]
     return lost | energy_balance(history) | {
-        "particles": particles,
+        "particles": len(solver.snapshot().X),
+        "operator": "-" if isinstance(solver, fem.Simulation) else solver.operator.name,
         "J_min": float(np.min(history["J_min"])),
         "J_max": float(np.max(history["J_max"])),
         "noise_end": float(noise[-1]),
@@ -81,7 +82,7 @@ def column(method: Method, cells: int, *, jitter: float = 0.0, **scene: float) -
     twist = [0.0]
     for angle in history["angle"]:
         twist.append(whole_turns(angle, twist[-1]))
-    row = _row(history, lost, len(solver.snapshot().X))
+    row = _row(history, lost, solver)
     return row | {"answer": float(np.max(np.abs(twist))), "answer_is": "largest twist [rad]"}
 
 
@@ -91,7 +92,7 @@ def pressed(method: Method, cells: int, *, held: bool, end_time: float) -> dict[
     solver = method.build(punch(press=press, end_time=end_time), 1.0 / cells)
     history, lost = run_to_end(solver)
     end = solver.snapshot()
-    row = _row(history, lost, len(end.X))
+    row = _row(history, lost, solver)
     height = float(np.max(end.x[:, 2]) - np.max(end.X[:, 2]))
     return row | {"answer": height, "answer_is": "bulge of the top [m]"}
 
@@ -109,7 +110,7 @@ def seeded(method: Method, cells: int, *, pattern: str) -> dict[str, Any]:
     measure = history["share"]
     if pattern == "noise":
         measure = np.sqrt(np.abs(history["total_energy [J]"]))
-    return _row(history, lost, len(X)) | _ratio(measure)
+    return _row(history, lost, solver) | _ratio(measure)
 
 
 def checkerboard(method: Method, cells: int) -> dict[str, Any]:
@@ -129,7 +130,7 @@ def checkerboard(method: Method, cells: int) -> dict[str, Any]:
     else:
         state.F *= np.cbrt(1.0 + SEED * pattern)[:, None, None]
     history, lost = run_to_end(solver, Share(pattern, "J"))
-    return _row(history, lost, solver.cloud.size) | _ratio(history["share"])
+    return _row(history, lost, solver) | _ratio(history["share"])
 
 
 def _ratio(measure: Array) -> dict[str, Any]:
@@ -148,7 +149,7 @@ def pulled(method: Method, cells: int) -> dict[str, Any]:
     kept = [Kept(), Kept()]
     found = [run_to_end(*pair) for pair in zip(solvers, kept, strict=True)]
     history, lost = found[1] if found[0][1]["survived"] else found[0]
-    row = _row(history, lost, len(solvers[0].snapshot().X))
+    row = _row(history, lost, solvers[0])
     both = list(zip(kept[0].shots, kept[1].shots, strict=False))
     growth = [_rms(a.velocity - b.velocity) / start for a, b in both]
     return row | {

@@ -16,6 +16,7 @@ import fem_reference as fem
 import sphsolid as sph
 from sphsolid.errors import Diverged
 from sphsolid.record import History
+from sphsolid.scenes import twisting_column
 from studies.harness.results import Results
 from studies.report.document import Document
 from studies.stability import study as stability
@@ -372,6 +373,13 @@ def test_methods_are_what_their_names_say(nu, tau_F, tau_p):
                       sph.NoStabilisation)  # fmt: skip
 
 
+def test_disordered_particles_get_the_operator_of_the_package():
+    column = twisting_column()
+    for jitter, operator in ((0.0, sph.Consistent()), (0.4, sph.SummationByParts())):
+        scene = replace(column, body=replace(column.body, jitter=jitter))
+        assert BASE.build(scene, 1 / 3).operator == operator
+
+
 @pytest.fixture(scope="module")
 def rows():
     """A seed with two methods on three cells, one of them far beyond its stable step."""
@@ -394,6 +402,7 @@ def rows():
 def test_a_run_is_a_row(rows):
     kept, lost, absent, seeded = rows
     assert kept["survived"]
+    assert [row["operator"] for row in rows] == ["-", "Consistent", "-", "Consistent"]
     assert 0.0 < kept["energy_kept"] < 1.5
     assert kept["noise_end"] > 0.0
     assert not lost["survived"]
