@@ -249,8 +249,9 @@ class Simulation:
                 f"{self.name}: explicit finite elements",
                 f"  elements     {self._elements.description()}",
                 f"  nodes        {len(self._x)}, lumped mass",
-                f"  time         central differences, cfl {self.cfl:g}, dt {dt:.4g} s now, about "
-                f"{math.ceil(remaining / dt)} steps to {self.scene.end_time:.4g} s",
+                f"  time         central differences, cfl {self.cfl:g}, dt {dt:.4g} s now, "
+                f"{math.ceil(remaining / dt)} steps to {self.scene.end_time:.4g} s at that, more "
+                "as elements are compressed",
                 f"  essential    {len(self._essential.nodes)} constrained nodes, "
                 f"{moving} constraints with a prescribed motion",
                 f"  loads        {loads}",

@@ -15,6 +15,7 @@ from sphsolid.cloud import (
 from sphsolid.continuum import MooneyRivlin, NeoHookean
 from sphsolid.errors import Diverged, InputError
 from sphsolid.geometry import MeshFile, PointCloud
+from sphsolid.recommendation import recommend
 from sphsolid.scheme import (
     PF,
     PFHJ,
@@ -32,6 +33,8 @@ from sphsolid.scheme import (
     LocalProjection,
     NoProjection,
     NoStabilisation,
+    OfMesh,
+    OfStep,
     PositionVerlet,
     SelfAdjoint,
     SimplifiedHessian,
@@ -69,6 +72,8 @@ __all__ = [
     "NeoHookean",
     "NoProjection",
     "NoStabilisation",
+    "OfMesh",
+    "OfStep",
     "PointCloud",
     "PositionVerlet",
     "QuinticSpline",
@@ -80,4 +85,5 @@ __all__ = [
     "T1",
     "WendlandC2",
     "__version__",
+    "recommend",
 ]

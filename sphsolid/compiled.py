@@ -27,7 +27,7 @@ _COMPILED_PACKAGES = ("sphsolid", "fem_reference")
 #: Rooms without kernels: they change often and need no new compilation.
 _NOT_COMPILED = (
     "sphsolid/geometry/", "sphsolid/scenes/", "sphsolid/record/", "sphsolid/simulation.py",
-    "sphsolid/defaults.py", "sphsolid/describe.py", "sphsolid/recommend.py",
+    "sphsolid/defaults.py", "sphsolid/describe.py", "sphsolid/recommendation.py",
 )  # fmt: skip
 
 

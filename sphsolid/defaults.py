@@ -22,7 +22,7 @@ Every value comes from a study that can be run again; ``docs/stability.md`` has 
   results then do not depend on the step.  ``tau_F gamma`` is a viscosity, hence the shear wave
   speed near ``nu = 1/2`` (``studies.stability``).  **xi_F = 0**: a time-integrated residual costs
   the stress its second order at boundaries (``studies.convergence``).
-* **tau_p = 0.1 dt** where ``J`` is evolved and ``nu >= 0.49``: the paper's; on a fine twisting
+* **tau_p = 0.1 dt**, of the step that the CFL rule allows, where ``J`` is evolved and ``nu >= 0.49``: the paper's; on a fine twisting
   column it takes the alternating part out of the pressure (``studies.twisting_column``).  ``D(J)``
   is not a definite form either, and makes energy at smaller ``nu`` (``studies.stability``).
 """
@@ -40,6 +40,7 @@ from sphsolid.errors import InputError
 from sphsolid.geometry.mesh import Mesh
 from sphsolid.scheme.formulation import Formulation
 from sphsolid.scheme.initial_strain import Compatible, Equilibrated, Given, InitialStrain
+from sphsolid.scheme.intrinsic_time import OfMesh, OfStep
 from sphsolid.scheme.position_verlet import PositionVerlet
 from sphsolid.scheme.ssp_rk3 import SSPRK3
 from sphsolid.scheme.stabilisation import SUPG, SelfAdjoint
@@ -112,23 +113,18 @@ def poisson_ratio(material: Any) -> float:
 
 
 def default_stabilisation(
-    formulation: Formulation,
-    material: Any,
-    cfl: float | None = None,
-    secondary: SecondaryPoints | None = None,
+    formulation: Formulation, material: Any, *, secondary: SecondaryPoints | None = None
 ) -> SUPG:
-    """Self-adjoint SUPG with ``tau_F = min(0.5, 5 c_s / c_p) h / c_p`` at a step of ``cfl``.
+    """Self-adjoint SUPG with ``tau_F = min(0.5, 5 c_s / c_p) h / c_p``, whatever the step.
 
-    ``tau_p = 0.1`` where ``J`` is evolved and ``nu >= 0.49``; ``cfl`` of the default integrator
-    and ``H1`` when not given.
+    ``tau_p = 0.1 dt`` where ``J`` is evolved and ``nu >= 0.49``; ``H1`` when not given.
     """
-    cfl = default_cfl(default_integrator()) if cfl is None else cfl
     speeds = (material.mu / (material.kappa + 4.0 / 3.0 * material.mu)) ** 0.5
     damps_J = formulation.evolves_J and poisson_ratio(material) >= NEARLY_INCOMPRESSIBLE
     return SUPG(
-        tau_F=min(0.5, 5.0 * speeds) / cfl,
+        tau_F=OfMesh(min(0.5, 5.0 * speeds)),
         xi_F=0.0,
-        tau_p=0.1 if damps_J else 0.0,
+        tau_p=OfStep(0.1 if damps_J else 0.0),
         weighting=SelfAdjoint(),
         secondary=H1() if secondary is None else secondary,
     )

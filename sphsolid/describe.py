@@ -10,6 +10,7 @@ import numpy as np
 from sphsolid.cloud.lengths import Local
 from sphsolid.compiled import description
 from sphsolid.defaults import NotTabulated, stability_limit
+from sphsolid.scheme.intrinsic_time import IntrinsicTime, OfStep, Units
 from sphsolid.scheme.stabilisation import SUPG
 
 if TYPE_CHECKING:
@@ -20,7 +21,7 @@ def plan(sim: Simulation) -> str:
     """What is active and why, what was chosen by default, what it will cost."""
     f, c, step = sim.formulation, sim.cloud, sim._time_step
     cost: dict[str, Any] = description()
-    steps = math.ceil(sim.scene.end_time / step.reference)
+    steps = math.ceil(max(0.0, sim.scene.end_time - sim.time) / step.reference)
     memory = memory_bytes(sim)
     lines = [
         f"scene          {sim.scene.name}: {sim.scene.provenance or 'no provenance given'}",
@@ -37,7 +38,9 @@ def plan(sim: Simulation) -> str:
         "projection     " + type(sim.angular_momentum).__name__,
         "stabilisation  " + _stabilisation(sim),
         f"integrator     {sim.integrator.name}, CFL {step.cfl:g} ({_limit(sim)}), undeformed step "
-        f"{step.reference:.4g} s, about {steps} steps, {steps * sim.integrator.stages} evaluations",
+        f"{step.reference:.4g} s, at least {steps} steps and {steps * sim.integrator.stages} "
+        f"evaluations to {sim.scene.end_time:.4g} s: the step shrinks with the smallest stretch of "
+        "a particle",
         *([f"formulation    {sim.advice.reason}"] if "formulation" in sim.by_default else []),
         "by default     " + (", ".join(sim.by_default) or "nothing: every option was given"),
         f"memory         {memory / 1e6:.1f} MB, {memory / c.size:.0f} B a particle",
@@ -82,12 +85,25 @@ def _stabilisation(sim: Simulation) -> str:
     s = sim.stabilisation
     if not isinstance(s, SUPG) or sim.secondary is None:
         return "none: no secondary particles are made"
+    units = Units(sim._time_step.crossing, sim._time_step.reference)
+    times = [
+        _time(name, time, units)
+        for name, time in s.intrinsic_times.items()
+        if time.c > 0.0 or name in ("tau_F", "tau_p")
+    ]
     return (
-        f"{s.name}, {type(s.fine_scale).__name__}, tau_F {s.tau_F:g} dt, xi_F {s.xi_F:g}, "
-        f"tau_p {s.tau_p:g} dt" + (" (no R_p pass)" if s.tau_p == 0.0 else "")
-        + f", {type(s.weighting).__name__}; {len(sim.secondary.X)} secondary particles, "
-        f"{sim.secondary.sampling.mean_neighbours:.1f} neighbours"
+        f"{s.name}, {type(s.fine_scale).__name__}, " + ", ".join(times)
+        + ("" if s.damps_J else " (no R_p pass)")
+        + f", xi_F {s.xi_F:g}, {type(s.weighting).__name__}; {len(sim.secondary.X)} secondary "
+        f"particles, {sim.secondary.sampling.mean_neighbours:.1f} neighbours"
     )
+
+
+def _time(name: str, time: IntrinsicTime, units: Units) -> str:
+    if time.c == 0.0:
+        return f"{name} 0"
+    at = " undeformed" if isinstance(time, OfStep) else ""
+    return f"{name} {time.c:.4g} {time.unit} = {time.seconds(units):.4g} s{at}"
 
 
 def memory_bytes(sim: Simulation) -> int:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time as clock
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -30,7 +31,7 @@ from sphsolid.defaults import (
 from sphsolid.describe import memory_bytes, plan, summary
 from sphsolid.errors import InputError
 from sphsolid.geometry.body import AS_MESHED, Spacing
-from sphsolid.recommend import recommend
+from sphsolid.recommendation import recommend
 from sphsolid.record.balance import Balance, MomentumWatch, NotTracked, total_momentum
 from sphsolid.record.checkpoint import common_identity, restore
 from sphsolid.record.history import History
@@ -46,6 +47,7 @@ from sphsolid.scheme.elastic_response import highest_frequency
 from sphsolid.scheme.formulation import Formulation
 from sphsolid.scheme.initial_state import initial_state
 from sphsolid.scheme.initial_strain import Compatible, Equilibrated, Given, InitialStrain
+from sphsolid.scheme.intrinsic_time import Times, Units
 from sphsolid.scheme.position_verlet import PositionVerlet
 from sphsolid.scheme.power import TERMS, Account
 from sphsolid.scheme.projection import (
@@ -53,7 +55,7 @@ from sphsolid.scheme.projection import (
     LocalProjection,
     NoProjection,
 )
-from sphsolid.scheme.right_hand_side import RightHandSide
+from sphsolid.scheme.right_hand_side import RightHandSide, State
 from sphsolid.scheme.ssp_rk3 import SSPRK3
 from sphsolid.scheme.stabilisation import SUPG, Stabilisation, check_formulation, check_pair
 from sphsolid.scheme.time_step import TimeStep, check_cfl
@@ -112,7 +114,7 @@ class Simulation:
         mesh = scene.body.mesh(spacing)
         if stabilisation is None:
             stabilisation = default_stabilisation(
-                self.formulation, scene.material, cfl, default_secondary(mesh)
+                self.formulation, scene.material, secondary=default_secondary(mesh)
             )
             check_pair(self.formulation, stabilisation)
         self.stabilisation: Stabilisation = stabilisation
@@ -159,8 +161,10 @@ class Simulation:
             essential=essential,
         )
         self.initial_strain = self._chosen_strain(initial_strain)
-        self.state = initial_state(scene, self._rhs, self.initial_strain)
-        self._stepper = self.integrator.stepper(self._rhs, self.state, essential)
+        self._state = initial_state(scene, self._rhs, self.initial_strain)
+        #: The stable step [s] of the state as it is; nan where nobody has asked for it yet.
+        self._allowed = math.nan
+        self._stepper = self.integrator.stepper(self._rhs, self._state, essential)
         self._time_step = TimeStep(
             cfl=cfl,
             h_min=self._shortest_length(),
@@ -216,21 +220,39 @@ class Simulation:
         resolved = 2.0 * reference_p_wave_speed(self.scene.material)
         return resolved / omega if omega * self.cloud.h_min > resolved else self.cloud.h_min
 
+    @property
+    def state(self) -> State:
+        """The evolved fields themselves, not copies."""
+        # Who takes them may change them, and with them the step that is allowed.
+        self._allowed = math.nan
+        return self._state
+
     def stable_time_step(self) -> float:
         """Largest step allowed now [s]; raises ``Diverged`` when the state is invalid."""
-        return self._time_step.stable(
-            self.formulation.evolves_J, self.state, self.cloud.X, self.time, self.step,
+        self._allowed = self._time_step.stable(
+            self.formulation.evolves_J, self._state, self.cloud.X, self.time, self.step,
             self._rhs.scratch,
         )  # fmt: skip
+        return self._allowed
 
     def advance(self, dt: float) -> None:
-        """One step of ``dt`` [s]."""
+        """One step of ``dt`` [s]; intrinsic times of the step are shares of the stable one."""
+        self._rhs.times = self._times()
+        self._allowed = math.nan
         self._stepper.advance(dt, self.time)
         self.time += dt
         self.step += 1
         account = self._stepper.account
         if isinstance(account, Account):
             self._watch.step(self._momentum(), account.impulse)
+
+    def _times(self) -> Times:
+        supg = self.stabilisation
+        if not isinstance(supg, SUPG):
+            return Times()
+        if supg.follows_step and math.isnan(self._allowed):
+            self.stable_time_step()
+        return supg.seconds(Units(self._time_step.crossing, self._allowed))
 
     def track_balance(self) -> None:
         """Account for energy and momentum from now on: about a third more time a step."""
@@ -242,7 +264,7 @@ class Simulation:
         self._start_energy = np.array(start.kinetic_energy + start.strain_energy)
 
     def _momentum(self) -> np.ndarray:
-        s, density = self.state, self.scene.material.density
+        s, density = self._state, self.scene.material.density
         return total_momentum(self.cloud.V, density, s.x, s.p / density)
 
     def _balance(self) -> Balance | NotTracked:
@@ -312,11 +334,12 @@ class Simulation:
         return arrays
 
     def state_changed(self) -> None:
-        """Nothing is derived from the state between steps."""
+        """Forget the step that was allowed before."""
+        self._allowed = math.nan
 
     def snapshot(self) -> Snapshot:
         """Copies of the state now, with the constitutive stress ``P(F, H, J)``."""
-        s, f, material = self.state, self.formulation, self.scene.material
+        s, f, material = self._state, self.formulation, self.scene.material
         F = split(s.F)
         H = split(s.H) if f.evolves_H else cofactor(F)
         J = s.J if f.evolves_J else determinant(F)

@@ -27,7 +27,11 @@ class Solver(Protocol):
         ...
 
     def advance(self, dt: float) -> None:
-        """One step of length ``dt`` [s]."""
+        """One step of length ``dt`` [s].
+
+        ``dt`` may be shorter than the stable step for a record's sake, so no coefficient of the
+        method may depend on it: see ``scheme.intrinsic_time``.
+        """
         ...
 
     def snapshot(self) -> Snapshot:

@@ -2,6 +2,7 @@
 
 from sphsolid.scheme.formulation import PF, PFHJ, PFJ, PJ, Displacement, Formulation
 from sphsolid.scheme.initial_strain import Compatible, Equilibrated, Given, InitialStrain
+from sphsolid.scheme.intrinsic_time import IntrinsicTime, OfMesh, OfStep
 from sphsolid.scheme.position_verlet import PositionVerlet
 from sphsolid.scheme.projection import LocalProjection, NoProjection
 from sphsolid.scheme.ssp_rk3 import SSPRK3
@@ -33,9 +34,12 @@ __all__ = [
     "FullHessian",
     "Given",
     "InitialStrain",
+    "IntrinsicTime",
     "LocalProjection",
     "NoProjection",
     "NoStabilisation",
+    "OfMesh",
+    "OfStep",
     "PositionVerlet",
     "SelfAdjoint",
     "SimplifiedHessian",

@@ -147,7 +147,7 @@ class PositionVerletStepper(Stepper):
         # Of the start of a step nothing but p is needed later on.
         self.work = Stages([], [], [], vector_field(len(state.p)))
         f, supg = rhs.formulation, rhs.stabilisation
-        self._damps_J = isinstance(supg, SUPG) and supg.tau_p > 0.0
+        self._damps_J = isinstance(supg, SUPG) and supg.damps_J
         self._drifts = f.evolves_F or f.evolves_H or f.evolves_J
         # Which velocities rhs.rates.F is the gradient of.
         self._p_of_L = vector_field(len(state.p) if self._drifts else 0)
@@ -158,7 +158,7 @@ class PositionVerletStepper(Stepper):
         rhs, state, essential = self.rhs, self.state, self.essential
         p_start, half = self.work.p_start, t + 0.5 * dt
         self._drift(0.5 * dt)
-        rates = rhs.evaluate(state, state.x, dt, half, knows_L=self._drifts)
+        rates = rhs.evaluate(state, state.x, half, knows_L=self._drifts)
         p_start[:] = state.p
         moved(p_start, dt, (0.5, 0.5), rates.p, rates.p, state.p)
         held = essential.particles

@@ -181,7 +181,7 @@ class Account:
         fine_scale.momentum_dissipation(
             q.spreading, components(rhs.P_fine), components(self._D_p), rhs.scratch
         )
-        if rhs.stabilisation.tau_p > 0.0:
+        if rhs.stabilisation.damps_J:
             self._D_J[:] = 0.0
             pressure.volume_dissipation(
                 q.spreading, components(rhs.flux), components(self._D_J), rhs.scratch

@@ -14,6 +14,7 @@ from sphsolid.fields import as_field, components, scalar_field, tensor_field, ve
 from sphsolid.scheme import fine_scale, galerkin, pressure
 from sphsolid.scheme.boundary import EssentialConditions, Loads
 from sphsolid.scheme.formulation import Formulation
+from sphsolid.scheme.intrinsic_time import Times
 from sphsolid.scheme.projection import AngularMomentumTreatment, LocalProjection
 from sphsolid.scheme.stabilisation import (
     SUPG,
@@ -76,6 +77,9 @@ class RightHandSide:
     After :meth:`evaluate` the terms are still there: ``P (N, 3, 3)`` the (projected) stress,
     ``P_fine (M, 3, 3)`` and ``flux (M, 3)`` at the secondary particles, ``reaction (n, 3)`` [N/m^3]
     what the constraints added to the rate of ``p`` at the constrained particles.
+
+    ``times`` are the intrinsic times of the stabilisation [s], which whoever advances a state sets
+    before a step: they belong to the state at its start, and to no step length.
     """
 
     def __init__(
@@ -106,7 +110,8 @@ class RightHandSide:
         self.reaction = np.zeros((len(essential.particles), 3))
         m = 0 if secondary is None else len(secondary.X)
         self.P_fine = tensor_field(m, particle_major=cloud.particle_major)
-        has_tau_p = isinstance(stabilisation, SUPG) and stabilisation.tau_p > 0.0
+        self.times = Times()
+        has_tau_p = isinstance(stabilisation, SUPG) and stabilisation.damps_J
         simplified = isinstance(stabilisation, SUPG) and isinstance(
             stabilisation.fine_scale, SimplifiedHessian
         )
@@ -141,7 +146,7 @@ class RightHandSide:
             out[:] = result
 
     def evaluate(
-        self, state: State, geometry: Array, dt: float, t: float, *, knows_L: bool = False
+        self, state: State, geometry: Array, t: float, *, knows_L: bool = False
     ) -> State:
         """Rates of ``state`` at time ``t``; ``knows_L``: ``rates.F`` is that of ``state`` already.
 
@@ -158,14 +163,14 @@ class RightHandSide:
             components(rates.H), components(rates.J), components(self._Fdot_C), self.scratch,
         )  # fmt: skip
         if isinstance(self.stabilisation, SUPG):
-            self._fine_stress(self.stabilisation, state, x, dt)
+            self._fine_stress(self.stabilisation, state, x)
         if self.is_self_adjoint:
             self.subtract_back(geometry, self.P)
         galerkin.internal_force(cloud.adjoint, P, pdot, self.scratch)
         if self.loads.any:
             rates.p += self.loads.at(t)[0]
         if isinstance(self.stabilisation, SUPG):
-            self._dissipate(self.stabilisation, dt, t)
+            self._dissipate(self.stabilisation, t)
         self.essential.reaction(rates.p, self.reaction)
         self.essential.release(rates.p)
         return rates
@@ -179,10 +184,10 @@ class RightHandSide:
             components(self.P_fine), components(P), self.scratch,
         )  # fmt: skip
 
-    def _dissipate(self, supg: SUPG, dt: float, t: float) -> None:
+    def _dissipate(self, supg: SUPG, t: float) -> None:
         q, rates, rho = self.secondary, self.rates, self.material.density
         assert q is not None
-        if supg.tau_p > 0.0:
+        if supg.damps_J:
             # R_p holds the Galerkin rate alone, so it is taken before D(p) is added.
             self._inertia[:] = rates.p
             self.essential.release(self._inertia)
@@ -190,7 +195,7 @@ class RightHandSide:
                 self._inertia -= self.loads.at(t)[1]
             flux = components(self.flux)
             pressure.momentum_residual(
-                q.sampling, supg.tau_p * dt / rho, components(self.P), components(self._inertia),
+                q.sampling, self.times.p / rho, components(self.P), components(self._inertia),
                 components(self._F_x_q), flux, self.scratch,
             )  # fmt: skip
             pressure.volume_dissipation(q.spreading, flux, components(rates.J), self.scratch)
@@ -198,11 +203,11 @@ class RightHandSide:
             q.spreading, components(self.P_fine), components(rates.p), self.scratch
         )
 
-    def _fine_stress(self, supg: SUPG, state: State, x: Array, dt: float) -> None:
+    def _fine_stress(self, supg: SUPG, state: State, x: Array) -> None:
         q, rates, f = self.secondary, self.rates, self.formulation
         assert q is not None
         form = supg.fine_scale
-        tau = supg.tau_F * dt
+        tau = self.times.F
         p, F, H, J = state.rows()
         Fdot, P_fine, F_x = components(rates.F), components(self.P_fine), components(self._F_x_q)
         if isinstance(form, SimplifiedHessian):
@@ -211,10 +216,10 @@ class RightHandSide:
                 Fdot = components(self._Fdot_C)
             fine_scale.simplified(
                 q.sampling, self.material.density, tau * gamma, supg.xi_F * alpha, self.projects,
-                supg.tau_p > 0.0, p, x, F, Fdot, P_fine, F_x, self.scratch,
+                supg.damps_J, p, x, F, Fdot, P_fine, F_x, self.scratch,
             )  # fmt: skip
             return
-        taus = np.array([supg.tau_F, form.tau_H, form.tau_J]) * dt
+        taus = np.array([tau, self.times.H, self.times.J])
         alpha = self.material.mu
         if isinstance(form, StabilisedStrains):
             xis = np.array([supg.xi_F, form.xi_H, form.xi_J])

@@ -74,7 +74,7 @@ class SSPRK3Stepper(Stepper):
         rhs, state, stages, y = self.rhs, self.state, self.work, self._y
         step, p_start = dt / rhs.material.density, self.work.p_start
 
-        rhs.evaluate(state, state.x, dt, t)
+        rhs.evaluate(state, state.x, t)
         self.account.stage(state, state.x, dt / 6.0, t)
         stages.first(dt)
         # Weights: the share of a jump of p made here that is still in p^{n+1}.
@@ -82,7 +82,7 @@ class SSPRK3Stepper(Stepper):
 
         moved(state.x, step, (5.0 / 6.0, 1.0 / 6.0), p_start, state.p, y)
         self._take_geometry(y)
-        rhs.evaluate(state, y, dt, t + dt)
+        rhs.evaluate(state, y, t + dt)
         self.account.stage(state, y, dt / 6.0, t + dt)
         moved(state.x, step, (2.0 / 3.0, 1.0 / 6.0), p_start, state.p, y)
         stages.convex(0.75, dt)
@@ -90,7 +90,7 @@ class SSPRK3Stepper(Stepper):
 
         moved(y, -step / 3.0, (0.5, 0.5), state.p, state.p, y)
         self._take_geometry(y)
-        rhs.evaluate(state, y, dt, t + 0.5 * dt)
+        rhs.evaluate(state, y, t + 0.5 * dt)
         self.account.stage(state, y, 2.0 * dt / 3.0, t + 0.5 * dt)
         stages.convex(1.0 / 3.0, dt)
         self.account.impose(self.essential, state, t + dt, 1.0)

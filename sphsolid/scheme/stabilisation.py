@@ -1,28 +1,33 @@
 """SUPG stabilisation at the secondary particles, [Lee2017] sections 3.1 and 4.2, as options.
 
-All intrinsic times are given in units of the time step: ``tau_F = 1`` means ``tau_F = dt``.
+An intrinsic time is one of the mesh, ``OfMesh(c)``, or of the step, ``OfStep(c)``: see
+``scheme.intrinsic_time``.  A plain number is one of the step: ``tau_F = 1`` means ``tau_F = dt``.
 """
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, field
 from typing import Any
 
 from sphsolid.cloud.secondary import H1, SecondaryPoints
-from sphsolid.errors import InputError, require
+from sphsolid.errors import InputError
 from sphsolid.scheme.formulation import Formulation
+from sphsolid.scheme.intrinsic_time import IntrinsicTime, OfStep, Times, Units, as_time, checked
 
 
 def _check_coefficients(owner: object, *names: str) -> None:
     """Raise ``InputError`` unless each named attribute is ``None`` or finite and >= 0."""
     for name in names:
         value = getattr(owner, name)
-        require(
-            value is None or (math.isfinite(value) and value >= 0.0),
-            f"{type(owner).__name__}: {name} = {value} must be finite and >= 0 (a tau is in units "
-            "of dt); a negative one feeds energy into the modes it should damp",
-        )
+        if value is not None:
+            checked(value, f"{type(owner).__name__}: {name}")
+
+
+def _take_times(owner: object, *names: str) -> None:
+    """Make each named attribute an intrinsic time; raises ``InputError`` as ``as_time`` does."""
+    for name in names:
+        time = as_time(getattr(owner, name), f"{type(owner).__name__}: {name}")
+        object.__setattr__(owner, name, time)
 
 
 @dataclass(frozen=True)
@@ -50,15 +55,16 @@ class SimplifiedHessian:
 class FullHessian:
     """Eqs. (22)-(23): the fine-scale conjugate stresses by the Hessian of the energy.
 
-    ``tau_H``, ``tau_J`` in units of ``dt``; ``xi_F alpha R_F^x`` is kept as in (27).
+    ``tau_H``, ``tau_J`` are intrinsic times; ``xi_F alpha R_F^x`` is kept as in (27).
     """
 
-    tau_H: float = 0.0
-    tau_J: float = 0.0
+    tau_H: IntrinsicTime | float = OfStep(0.0)
+    tau_J: IntrinsicTime | float = OfStep(0.0)
     alpha: float | None = None
 
     def __post_init__(self) -> None:
-        _check_coefficients(self, "tau_H", "tau_J", "alpha")
+        _take_times(self, "tau_H", "tau_J")
+        _check_coefficients(self, "alpha")
 
 
 @dataclass(frozen=True)
@@ -68,13 +74,14 @@ class StabilisedStrains:
     ``F_st = F + tau_F R_F + xi_F R_F^x`` and likewise for ``H`` and ``J``.
     """
 
-    tau_H: float = 0.0
-    tau_J: float = 0.0
+    tau_H: IntrinsicTime | float = OfStep(0.0)
+    tau_J: IntrinsicTime | float = OfStep(0.0)
     xi_H: float = 0.0
     xi_J: float = 0.0
 
     def __post_init__(self) -> None:
-        _check_coefficients(self, "tau_H", "tau_J", "xi_H", "xi_J")
+        _take_times(self, "tau_H", "tau_J")
+        _check_coefficients(self, "xi_H", "xi_J")
 
 
 FineScale = SimplifiedHessian | FullHessian | StabilisedStrains
@@ -120,19 +127,21 @@ class SUPG:
 
     ``tau_F`` damps what the velocity gradient at ``q`` has beyond the interpolated rate of ``F``,
     ``xi_F`` (in [0, 0.5] in the paper) what the geometry has beyond ``F``, ``tau_p`` damps
-    pressure modes through the law of ``J``.  ``secondary`` places the particles ``q``;
-    ``weighting`` says how ``D(p)`` is tested.
+    pressure modes through the law of ``J``.  ``tau_F, tau_p`` are ``OfMesh(c)``, ``OfStep(c)`` or a
+    number, which is one of the step.  ``secondary`` places the particles ``q``; ``weighting`` says
+    how ``D(p)`` is tested.
     """
 
-    tau_F: float = 1.0
+    tau_F: IntrinsicTime | float = OfStep(1.0)
     xi_F: float = 0.1
-    tau_p: float = 0.0
+    tau_p: IntrinsicTime | float = OfStep(0.0)
     secondary: SecondaryPoints = field(default_factory=H1)
     fine_scale: FineScale = field(default_factory=SimplifiedHessian)
     weighting: Weighting = field(default_factory=AsPrinted)
 
     def __post_init__(self) -> None:
-        _check_coefficients(self, "tau_F", "xi_F", "tau_p")
+        _take_times(self, "tau_F", "tau_p")
+        _check_coefficients(self, "xi_F")
         if isinstance(self.secondary, type) or not hasattr(self.secondary, "place"):
             raise InputError(
                 f"SUPG: secondary = {self.secondary!r} is unknown; use H1() or H6() on "
@@ -152,8 +161,9 @@ class SUPG:
                 "SUPG: weighting = SelfAdjoint() needs fine_scale = SimplifiedHessian(); the other "
                 "forms have no adjoint of their own"
             )
-        own = [getattr(self.fine_scale, name, 0.0) for name in ("tau_H", "tau_J", "xi_H", "xi_J")]
-        if self.tau_F == self.xi_F == self.tau_p == 0.0 and not any(own):
+        own = [getattr(self.fine_scale, name, 0.0) for name in ("xi_H", "xi_J")]
+        own += [time.c for time in self.intrinsic_times.values()]
+        if self.xi_F == 0.0 and not any(own):
             raise InputError(
                 "SUPG with tau_F = xi_F = tau_p = 0 does nothing; use NoStabilisation()"
             )
@@ -168,20 +178,43 @@ class SUPG:
         """True when ``D(p)`` is tested with the operator that made its residual."""
         return isinstance(self.weighting, SelfAdjoint)
 
+    @property
+    def damps_J(self) -> bool:
+        """True when there is a ``D(J)``."""
+        return as_time(self.tau_p).c > 0.0
+
+    @property
+    def intrinsic_times(self) -> dict[str, IntrinsicTime]:
+        """``tau_F, tau_p, tau_H, tau_J`` by name; zero where the fine scale has no such time."""
+        own = {name: getattr(self.fine_scale, name, 0.0) for name in ("tau_H", "tau_J")}
+        given = {"tau_F": self.tau_F, "tau_p": self.tau_p} | own
+        return {name: as_time(value, name) for name, value in given.items()}
+
+    @property
+    def follows_step(self) -> bool:
+        """True when some time is one of the step."""
+        times = self.intrinsic_times.values()
+        return any(isinstance(time, OfStep) and time.c > 0.0 for time in times)
+
+    def seconds(self, units: Units) -> Times:
+        """All intrinsic times [s]."""
+        return Times(*(time.seconds(units) for time in self.intrinsic_times.values()))
+
     def check(self, formulation: Formulation) -> None:
         """Refuse pairs that cannot work, saying what to use instead."""
-        if self.tau_p > 0.0 and not formulation.evolves_J:
+        if self.damps_J and not formulation.evolves_J:
             raise InputError(
                 f"SUPG(tau_p = {self.tau_p}) stabilises the law of J, which {formulation.name} "
                 "does not solve; use PFJ() or PFHJ(), or tau_p = 0"
             )
-        tau_H = getattr(self.fine_scale, "tau_H", 0.0) or getattr(self.fine_scale, "xi_H", 0.0)
+        times = self.intrinsic_times
+        tau_H = times["tau_H"].c or getattr(self.fine_scale, "xi_H", 0.0)
         if tau_H and not formulation.evolves_H:
             raise InputError(
                 f"tau_H or xi_H > 0 needs the law of H, which {formulation.name} does not solve; "
                 "use PFHJ()"
             )
-        tau_J = getattr(self.fine_scale, "tau_J", 0.0) or getattr(self.fine_scale, "xi_J", 0.0)
+        tau_J = times["tau_J"].c or getattr(self.fine_scale, "xi_J", 0.0)
         if tau_J and not formulation.evolves_J:
             raise InputError(
                 f"tau_J or xi_J > 0 needs the law of J, which {formulation.name} does not solve; "

@@ -74,6 +74,8 @@ class TimeStep:
         if not (h_min > 0.0 and math.isfinite(wave_speed)):
             raise InputError(f"h_min = {h_min} m and c_p = {wave_speed} m/s must be positive")
         self.cfl = cfl
+        #: ``h / c_p`` [s], what intrinsic times of the mesh are multiples of.
+        self.crossing = h_min / wave_speed
         self.reference = cfl * h_min / wave_speed
         self._size = size
         self._limit = np.empty(-(-size // LANES) * LANES)

@@ -49,7 +49,7 @@ class TVDRK2Stepper(Stepper):
         rhs, state, stages = self.rhs, self.state, self.work
         step, p_start = dt / rhs.material.density, self.work.p_start
 
-        rhs.evaluate(state, state.x, dt, t)
+        rhs.evaluate(state, state.x, t)
         self.account.stage(state, state.x, 0.5 * dt, t)
         stages.first(dt)
         # Half of a jump made here is averaged away: p^{n+1} = (p^n + p**) / 2.
@@ -60,7 +60,7 @@ class TVDRK2Stepper(Stepper):
             rhs.kinematic_gradient(self._x_star, 1.0, state.F)
         moved(state.x, step, (0.5, 0.5), p_start, state.p, state.x)
 
-        rhs.evaluate(state, state.x, dt, t + dt)
+        rhs.evaluate(state, state.x, t + dt)
         self.account.stage(state, state.x, 0.5 * dt, t + dt)
         stages.convex(0.5, dt)
         self.account.impose(self.essential, state, t + dt, 1.0)

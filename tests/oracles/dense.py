@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 import sphsolid as sph
 from sphsolid.cloud.pairs.neighbours import PairList
+from sphsolid.scheme import IntrinsicTime
 from tests.oracles import numpy_sph
 
 Array = NDArray[np.float64]
@@ -68,17 +69,25 @@ def options_of(sim: sph.Simulation) -> numpy_sph.Options:
         sph.FullHessian: "hessian",
         sph.StabilisedStrains: "strains",
     }[type(s.fine_scale)]
-    extra = [getattr(s.fine_scale, name, 0.0) for name in ("tau_H", "tau_J", "xi_H", "xi_J")]
+    # The oracle has times in units of the step alone.
+    tau = {name: as_step(time) for name, time in s.intrinsic_times.items()}
+    xi = [getattr(s.fine_scale, name, 0.0) for name in ("xi_H", "xi_J")]
     return numpy_sph.Options(
         evolved,
         form,
-        tau=(s.tau_F, extra[0], extra[1]),
-        xi=(s.xi_F, extra[2], extra[3]),
-        tau_p=s.tau_p,
+        tau=(tau["tau_F"], tau["tau_H"], tau["tau_J"]),
+        xi=(s.xi_F, xi[0], xi[1]),
+        tau_p=tau["tau_p"],
         projects=projects,
         gamma=getattr(s.fine_scale, "gamma", None),
         alpha=getattr(s.fine_scale, "alpha", None),
     )
+
+
+def as_step(time: IntrinsicTime) -> float:
+    """The number of a time of the step."""
+    assert isinstance(time, sph.OfStep)
+    return time.c
 
 
 def fields_of(sim: sph.Simulation) -> numpy_sph.Fields:

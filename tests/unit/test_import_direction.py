@@ -16,7 +16,7 @@ _PHYSICS = BASE | {"sphsolid.continuum"}
 _PROBLEM = _PHYSICS | {"sphsolid.geometry", "sphsolid.scenes"}
 _SPH = _PROBLEM | {
     "sphsolid.record", "sphsolid.cloud", "sphsolid.scheme", "sphsolid.defaults",
-    "sphsolid.describe", "sphsolid.recommend", "sphsolid.simulation",
+    "sphsolid.describe", "sphsolid.recommendation", "sphsolid.simulation",
 }  # fmt: skip
 #: What each room may import besides itself.  A room that is not here is a new one: decide.
 ALLOWED: dict[str, set[str]] = {
@@ -30,7 +30,7 @@ ALLOWED: dict[str, set[str]] = {
     "sphsolid.cloud": _PROBLEM,
     "sphsolid.scheme": _PROBLEM | {"sphsolid.cloud"},
     "sphsolid.defaults": _PROBLEM | {"sphsolid.cloud", "sphsolid.scheme"},
-    "sphsolid.recommend": _PROBLEM | {"sphsolid.cloud", "sphsolid.scheme", "sphsolid.defaults"},
+    "sphsolid.recommendation": _PROBLEM | {"sphsolid.cloud", "sphsolid.scheme", "sphsolid.defaults"},
     "sphsolid.describe": _SPH,
     "sphsolid.simulation": _SPH,
     "sphsolid": _SPH,

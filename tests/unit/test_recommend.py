@@ -12,11 +12,11 @@ import pytest
 
 import sphsolid as sph
 from sphsolid.defaults import default_stabilisation
-from sphsolid.recommend import Evidence, NotMeasured, recommend
+from sphsolid.recommendation import Evidence, NotMeasured, recommend
 from sphsolid.scenes import twisting_column
 
 #: The room, whatever the package exports under its name.
-module = importlib.import_module("sphsolid.recommend")
+module = importlib.import_module("sphsolid.recommendation")
 ROOT = Path(__file__).resolve().parents[2]
 REPORT = ROOT / "reports" / "pareto" / "recommendation.csv"
 HEAD = "scene,nu,formulation,stabilisation,error_ratio,cpu_ratio,bytes_ratio,particles,compared\n"
@@ -33,7 +33,7 @@ def table(tmp_path: Path, monkeypatch: Any) -> None:
     monkeypatch.setattr(module, "RECOMMENDATIONS", path)
 
 
-CHOSEN = sph.SUPG(tau_F=0.5 / 0.7, xi_F=0.0, weighting=sph.SelfAdjoint())
+CHOSEN = sph.SUPG(tau_F=sph.OfMesh(0.5), xi_F=0.0, weighting=sph.SelfAdjoint())
 
 
 @pytest.mark.parametrize(

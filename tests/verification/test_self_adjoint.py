@@ -11,6 +11,7 @@ import sphsolid as sph
 from sphsolid.scenes import Box, Scene
 from sphsolid.scheme.power import Account
 from tests.oracles.blocks import RUBBER
+from tests.oracles.checkers import rates_at
 
 TAU, DT, ROUND_OFF = 0.7, 1.0e-4, 1e-12
 
@@ -41,7 +42,7 @@ def evaluated(sim: sph.Simulation) -> Account:
     sim.track_balance()
     account = sim._stepper.account
     assert isinstance(account, Account)
-    sim._rhs.evaluate(sim.state, sim.state.x, DT, 0.0)
+    rates_at(sim, step=DT)
     account.stage(sim.state, sim.state.x, 1.0, 0.0)
     return account
 
@@ -73,7 +74,7 @@ def test_a_rotation_is_not_damped_however_rough_the_state() -> None:
     s = sim.state
     sim._rhs.kinematic_gradient(s.x, 1.0, s.F)
     s.p[:] = 1100.0 * np.cross([1.0, 2.0, 3.0], s.x)
-    sim._rhs.evaluate(s, s.x, DT, 0.0)
+    rates_at(sim, step=DT)
     assert np.max(np.abs(sim._rhs.P_fine)) < 1e-10 * TAU * DT * RUBBER.kappa
 
 

@@ -17,6 +17,7 @@ from tests.oracles.blocks import (
     loads_in_loaded_block,
     velocity_in_loaded_block,
 )
+from tests.oracles.checkers import rates_at
 from tests.oracles.dense import body_of, fields_of, options_of
 
 Array = NDArray[np.float64]
@@ -137,7 +138,7 @@ def stage(sim: sph.Simulation, t: float = 1e-3) -> tuple[numpy_sph.Rates, numpy_
     dt = sim.stable_time_step()
     body = oracle_of(sim)
     exact = numpy_sph.rates(body, options_of(sim), fields_of(sim), sim.state.x, dt, t)
-    sim._rhs.evaluate(sim.state, sim.state.x, dt, t)
+    rates_at(sim, step=dt, t=t)
     return exact, body
 
 

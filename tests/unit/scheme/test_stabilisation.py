@@ -41,7 +41,7 @@ def test_a_negative_modulus_is_refused(make: Any, value: float) -> None:
 def test_no_coefficient_at_all_is_refused() -> None:
     with pytest.raises(InputError, match=r"NoStabilisation\(\)"):
         sph.SUPG(tau_F=0.0, xi_F=0.0, tau_p=0.0)
-    assert sph.SUPG(tau_F=0.0, xi_F=0.0, tau_p=0.1).tau_p == 0.1
+    assert sph.SUPG(tau_F=0.0, xi_F=0.0, tau_p=0.1).tau_p == sph.OfStep(0.1)
 
 
 def test_a_term_that_only_the_fine_scale_form_holds_is_enough() -> None:

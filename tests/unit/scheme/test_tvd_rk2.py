@@ -66,18 +66,28 @@ def test_the_order_check_notices_a_load_at_the_wrong_instant(
     right = sph.scheme.right_hand_side.RightHandSide.evaluate
     last: list[float] = []
 
-    def late(self: Any, state: Any, geometry: Array, dt: float, t: float) -> Any:
+    def late(self: Any, state: Any, geometry: Array, t: float) -> Any:
         last.append(t)
-        return right(self, state, geometry, dt, last[-2] if len(last) % 2 == 0 else t)
+        return right(self, state, geometry, last[-2] if len(last) % 2 == 0 else t)
 
     monkeypatch.setattr(sph.scheme.right_hand_side.RightHandSide, "evaluate", late)
     assert orders(sph.PF())["p"] < 1.5
 
 
-def test_stabilisation_in_units_of_the_step_is_first_order_in_time() -> None:
-    """``tau_F = dt`` shrinks with the step: the method itself changes, as in the paper."""
+def test_shorter_steps_at_one_cfl_number_do_not_change_the_damping() -> None:
+    """``tau_F = dt`` is the step that the CFL rule allows: the order is the integrator's own."""
     order = orders(sph.PF(), stabilisation=sph.SUPG(tau_F=1.0, xi_F=0.0))["p"]
-    assert 0.8 < order < 1.3
+    assert 1.9 < order < 2.15
+
+
+def test_stabilisation_in_units_of_the_step_is_first_order_in_the_cfl_number() -> None:
+    """``tau_F = dt`` shrinks with the CFL number: the method itself changes, as in the paper."""
+    supg = sph.SUPG(tau_F=1.0, xi_F=0.0)
+    coarse, middle, fine = (
+        after(sph.PF(), 256, stabilisation=supg, cfl=0.3 / n)["p"] for n in (1, 2, 4)
+    )
+    apart = [np.linalg.norm(a - b) for a, b in ((coarse, middle), (middle, fine))]
+    assert 0.8 < np.log2(apart[0] / apart[1]) < 1.3
 
 
 @pytest.mark.parametrize("formulation", FORMULATIONS, ids=lambda f: f.name)
