@@ -22,9 +22,10 @@ Every value comes from a study that can be run again; ``docs/stability.md`` has 
   results then do not depend on the step.  ``tau_F gamma`` is a viscosity, hence the shear wave
   speed near ``nu = 1/2`` (``studies.stability``).  **xi_F = 0**: a time-integrated residual costs
   the stress its second order at boundaries (``studies.convergence``).
-* **tau_p = 0.1 dt**, of the step that the CFL rule allows, where ``J`` is evolved and ``nu >= 0.49``: the paper's; on a fine twisting
-  column it takes the alternating part out of the pressure (``studies.twisting_column``).  ``D(J)``
-  is not a definite form either, and makes energy at smaller ``nu`` (``studies.stability``).
+* **tau_p = 0.1 dt** where ``J`` is evolved and ``nu >= 0.49``, ``dt`` the step that the CFL rule
+  allows: the paper's; on a fine twisting column it takes the alternating part out of the pressure
+  (``studies.twisting_column``).  ``D(J)`` is not a definite form either, and makes energy at
+  smaller ``nu`` (``studies.stability``).
 """
 
 from __future__ import annotations

@@ -53,7 +53,7 @@ def march(
         math.isfinite(end) and end > solver.time,
         f"until = {end} s is not after the present time {solver.time} s",
     )
-    pace = Pace(progress, start=solver.time, until=end)
+    pace = Pace(progress, start=solver.time, until=end, driven=solver.scene.is_driven)
     return _Run(solver, record, output, rows, pace).go(end, every)
 
 

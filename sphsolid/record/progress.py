@@ -23,8 +23,9 @@ class Progress:
     ``start, time, until`` [s] of the run; the last ``dt`` [s]; ``wall`` [s] since ``run`` was
     called.  ``steps_per_second`` and ``eta`` [s] leave the first step out, which may have compiled;
     both are nan before the second.  ``start_energy`` and ``energy`` [J], kinetic and strain, are
-    those of the first and of the last record: their difference is an error only where no load and
-    no dissipation acts.  ``over`` is True in the last report, of a failed run too.
+    those of the first and of the last record.  ``driven`` says that loads or a prescribed motion
+    work on the body: then their difference tells of that work, not of the method.  ``over`` is True
+    in the last report, of a failed run too.
     """
 
     start: float
@@ -38,6 +39,7 @@ class Progress:
     eta: float
     start_energy: float
     energy: float
+    driven: bool = False
     over: bool = False
 
     @property
@@ -54,7 +56,7 @@ class Progress:
 class Pace:
     """Measures a run and tells ``told`` about it, if there is somebody to tell.
 
-    ``now`` is the clock [s].
+    ``driven`` is that of the scene; ``now`` is the clock [s].
     """
 
     def __init__(
@@ -63,10 +65,11 @@ class Pace:
         *,
         start: float,
         until: float,
+        driven: bool = False,
         now: Callable[[], float] = clock.perf_counter,
     ) -> None:
         self._told, self._now = told, now
-        self._start, self._until = start, until
+        self._start, self._until, self._driven = start, until, driven
         self._began = self._last_told = now()
         self._paced_from: tuple[float, float, int] | None = None
         self._time, self._step, self._dt = start, 0, 0.0
@@ -127,6 +130,7 @@ class Pace:
                 eta=eta,
                 start_energy=self._start_energy,
                 energy=self._energy,
+                driven=self._driven,
                 over=over,
             )
         )
@@ -170,8 +174,9 @@ def line(progress: Progress) -> str:
 
 
 def _energy(p: Progress) -> str:
-    # A body that starts at rest has no energy to compare with.
-    if p.start_energy > 0.0 and abs(p.energy) < 100.0 * p.start_energy:
+    # A body that starts at rest has no energy to compare with, and what a load puts in is no change
+    # of what there was.
+    if not p.driven and p.start_energy > 0.0 and abs(p.energy) < 100.0 * p.start_energy:
         return f"energy change {100.0 * p.energy_change / p.start_energy:+.2g} %"
     return f"energy {p.energy:.3g} J"
 

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from sphsolid.errors import InputError, require
 from sphsolid.geometry.body import Body
-from sphsolid.scenes.constraint import Constraint
+from sphsolid.scenes.constraint import Constraint, Fixed
 
 Array = NDArray[np.float64]
 #: ``f(X (n, 3)) -> (n, 3)``.
@@ -122,6 +122,12 @@ class Scene:
                 f"scene {self.name!r}: material {name} = {value} must be positive and finite; "
                 "build the material with its from_young(...)",
             )
+
+    @property
+    def is_driven(self) -> bool:
+        """True when a load or a prescribed motion can do work on the body."""
+        moved = any(not isinstance(part.velocity, Fixed) for part in self.constraints)
+        return moved or bool(self.tractions) or not isinstance(self.body_force, NoBodyForce)
 
     def initial_state(self, X: Array) -> tuple[Array, Array]:
         """Checked initial displacement [m] and velocity [m/s] at ``X (n, 3)``."""

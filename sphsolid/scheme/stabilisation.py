@@ -14,6 +14,9 @@ from sphsolid.errors import InputError
 from sphsolid.scheme.formulation import Formulation
 from sphsolid.scheme.intrinsic_time import IntrinsicTime, OfStep, Times, Units, as_time, checked
 
+#: ``tau = dt`` of [Lee2017], and none.
+ONE_STEP, NO_TIME = OfStep(1.0), OfStep(0.0)
+
 
 def _check_coefficients(owner: object, *names: str) -> None:
     """Raise ``InputError`` unless each named attribute is ``None`` or finite and >= 0."""
@@ -58,8 +61,8 @@ class FullHessian:
     ``tau_H``, ``tau_J`` are intrinsic times; ``xi_F alpha R_F^x`` is kept as in (27).
     """
 
-    tau_H: IntrinsicTime | float = OfStep(0.0)
-    tau_J: IntrinsicTime | float = OfStep(0.0)
+    tau_H: IntrinsicTime | float = NO_TIME
+    tau_J: IntrinsicTime | float = NO_TIME
     alpha: float | None = None
 
     def __post_init__(self) -> None:
@@ -74,8 +77,8 @@ class StabilisedStrains:
     ``F_st = F + tau_F R_F + xi_F R_F^x`` and likewise for ``H`` and ``J``.
     """
 
-    tau_H: IntrinsicTime | float = OfStep(0.0)
-    tau_J: IntrinsicTime | float = OfStep(0.0)
+    tau_H: IntrinsicTime | float = NO_TIME
+    tau_J: IntrinsicTime | float = NO_TIME
     xi_H: float = 0.0
     xi_J: float = 0.0
 
@@ -132,9 +135,9 @@ class SUPG:
     how ``D(p)`` is tested.
     """
 
-    tau_F: IntrinsicTime | float = OfStep(1.0)
+    tau_F: IntrinsicTime | float = ONE_STEP
     xi_F: float = 0.1
-    tau_p: IntrinsicTime | float = OfStep(0.0)
+    tau_p: IntrinsicTime | float = NO_TIME
     secondary: SecondaryPoints = field(default_factory=H1)
     fine_scale: FineScale = field(default_factory=SimplifiedHessian)
     weighting: Weighting = field(default_factory=AsPrinted)

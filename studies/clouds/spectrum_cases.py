@@ -2,20 +2,17 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import Any
 
 import sphsolid as sph
 from sphsolid.defaults import default_cfl, default_integrator
 from sphsolid.errors import InputError
 from sphsolid.scenes import Scene
-from sphsolid.scheme.stabilisation import SUPG
 from studies.clouds.cases import operator_of
 from studies.clouds.choice import cloud_of, label_of
 from studies.clouds.shape_cases import SOLID
 from studies.stability.spectrum import Linearisation
 from studies.stability.spectrum_growth import decades, largest_modulus, limits, scan
-from studies.stability.spectrum_times import OfTheMesh
 
 #: CFL numbers from which the limits are bracketed.
 CFL = (0.35, 0.7, 0.9, 1.1, 1.3, 1.6)
@@ -39,11 +36,8 @@ def spectrum(*, cloud: str, level: int, operator: str) -> list[dict[str, Any]]:
         usual = sph.Simulation(scene, **options)
     except InputError as refusal:
         return [row | {"refused": str(refusal)}]
-    assert isinstance(usual.stabilisation, SUPG)
     cfl = default_cfl(default_integrator())
-    # ``OfTheMesh`` reads the number as one of h / c_p, as the default is meant.
-    supg = replace(usual.stabilisation, tau_F=usual.stabilisation.tau_F * cfl)
-    linear = Linearisation(sph.Simulation(scene, stabilisation=supg, **options), OfTheMesh())
+    linear = Linearisation(usual)
 
     def modulus(number: float) -> float:
         return largest_modulus(linear.eigenvalues(number))

@@ -44,6 +44,10 @@ SUPPORTS = (0.9, 1.0, 1.1, 1.2)
 #: Relative cost of a set-up at the same number of particles.
 _SET_UP = {"Literal": 0.1, "Consistent": 0.6, "SummationByParts": 6.0}
 
+#: Cells per side of every level, and of the last one where none is named.
+LEVELS = (4, 8, 16, 32, 64)
+FINEST, FINEST_QUICK = 32, 8
+
 
 def _cube(
     cloud: str,
@@ -75,10 +79,15 @@ def _runs(families: Sequence[str], formulations: Sequence[str]) -> list[tuple[st
     ]
 
 
+def _finest(options: argparse.Namespace) -> int:
+    usual = FINEST_QUICK if options.quick else FINEST
+    return usual if options.finest is None else int(options.finest)
+
+
 def _named(clouds: Sequence[str], options: argparse.Namespace) -> Iterator[Case]:
     """All operators on the clouds of the command line, to the same level."""
     families = ("A+B+C=0", "A=B=C") if options.both_families else ("A+B+C=0",)
-    finest = 8 if options.quick else options.finest
+    finest = _finest(options)
     for cloud in clouds:
         for level in cloud_of(cloud).levels(finest):
             for operator in OPERATORS:
@@ -92,7 +101,7 @@ def _comparison(options: argparse.Namespace) -> Iterator[Case]:
         chosen = cloud_of(cloud)
         for operator in OPERATORS:
             finest = last if operator == "SummationByParts" else min(last, OTHERS_LAST)
-            finest = min(finest, 8 if options.quick else options.finest)
+            finest = min(finest, _finest(options))
             for level in chosen.levels(finest):
                 # In the linear limit the formulations agree to three digits.
                 fine = chosen.cells(level) > 24
@@ -159,8 +168,12 @@ def _spectra(quick: bool) -> Iterator[Case]:
 def cases(options: argparse.Namespace) -> list[Case]:
     """The whole comparison, or the cube on the clouds that ``--cloud`` names."""
     require(
-        options.finest in (4, 8, 16, 32, 64),
-        f"--finest {options.finest}: choose one of 4, 8, 16, 32, 64",
+        _finest(options) in LEVELS,
+        f"--finest {options.finest}: choose one of {', '.join(map(str, LEVELS))}",
+    )
+    require(
+        bool(options.cloud) or not options.both_families,
+        "--both-families is for the clouds that --cloud names: name one, or leave it out",
     )
     if options.cloud:
         names = [label_of(cloud) for cloud in options.cloud]
@@ -191,8 +204,9 @@ def arguments(parser: argparse.ArgumentParser) -> None:
         help=f"only the swinging cube on this cloud: {KINDS}; may be repeated",
     )  # fmt: skip
     parser.add_argument(
-        "--finest", type=int, default=32, help="cells per side of the last level (default 32)"
-    )
+        "--finest", type=int, help="cells per side of the last level "
+        f"(default {FINEST}, {FINEST_QUICK} with --quick)",
+    )  # fmt: skip
     parser.add_argument(
         "--both-families", action="store_true", help="with --cloud: A=B=C beside A+B+C=0"
     )

@@ -18,7 +18,7 @@ from sphsolid.errors import Diverged
 from sphsolid.record.recorders import AXES, Recorder
 from sphsolid.scenes import Scene
 from sphsolid.scheme.stabilisation import Stabilisation, Weighting
-from studies.convergence.cases import FORMULATIONS, OPERATORS, PROJECTIONS, SECONDARY
+from studies.convergence.cases import FORMULATIONS, OPERATORS, PROJECTIONS, SECONDARY, TIMES
 from studies.harness.cases import Row
 
 Array = NDArray[np.float64]
@@ -50,6 +50,7 @@ def solver(
     h_over_dx: float,
     cfl: float,
     tau_F: float,
+    tau_unit: str,
     xi_F: float,
     tau_p: float,
     weighting: str,
@@ -69,7 +70,7 @@ def solver(
     stabilisation: Stabilisation = sph.NoStabilisation()
     if secondary in SECONDARY:
         stabilisation = sph.SUPG(
-            tau_F=tau_F, xi_F=xi_F, tau_p=tau_p, secondary=SECONDARY[secondary],
+            tau_F=TIMES[tau_unit](tau_F), xi_F=xi_F, tau_p=tau_p, secondary=SECONDARY[secondary],
             weighting=WEIGHTINGS[weighting],
         )  # fmt: skip
     return sph.Simulation(
@@ -90,16 +91,18 @@ def chosen(sim: Any, options: Row) -> Row:
     if options["method"] != DEFAULTS:
         return options
     supg = sim.stabilisation
+    tau_F = supg.intrinsic_times["tau_F"]
     return options | {
         "secondary": supg.secondary.name,
         "operator": sim.operator.name,
         "integrator": sim.integrator.name,
         "h_over_dx": sim.h_over_dx,
         "cfl": options["cfl"] or default_cfl(sim.integrator),
-        "tau_F": supg.tau_F,
+        "tau_F": tau_F.c,
+        "tau_unit": tau_F.unit,
         "xi_F": supg.xi_F,
         "weighting": "self-adjoint" if supg.is_self_adjoint else "as printed",
-        "tau_p": supg.tau_p,
+        "tau_p": supg.intrinsic_times["tau_p"].c,
     }
 
 

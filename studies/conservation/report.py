@@ -16,6 +16,7 @@ from studies.conservation.figures import (
 )
 from studies.conservation.tables import FORMATS, named, table_of
 from studies.conservation.verdicts import PARTLY_SMOOTH, SMOOTH, undeformed_impulse
+from studies.convergence.cases import said
 from studies.convergence.figures import select
 from studies.harness.front import Results
 from studies.report.document import Block, Bullets, Document, Figure, Paragraph, Section, Table
@@ -111,11 +112,11 @@ def _of_the_package() -> str:
     material = l_shaped_block().material
     integrator = default_integrator()
     cfl = default_cfl(integrator)
-    chosen = default_stabilisation(PF(), material, cfl)
+    chosen = default_stabilisation(PF(), material)
     weighting = "self-adjoint" if chosen.is_self_adjoint else "printed"
     return (
         f"{integrator.name} at CFL {cfl:g}, SUPG-{chosen.secondary.name} with {weighting} "
-        f"weighting of D(p), tau_F = {cfl * chosen.tau_F:.3g} h/c_p whatever the step, xi_F = "
+        f"weighting of D(p), tau_F = {said(chosen.tau_F)} whatever the step, xi_F = "
         f"{chosen.xi_F:g}"
     )
 

@@ -37,6 +37,7 @@ PAPER: dict[str, Any] = {
     "h_over_dx": 0.9,
     "cfl": 0.3,
     "tau_F": 1.0,
+    "tau_unit": "dt",
     "xi_F": 0.0,
     "tau_p": 0.0,
     "weighting": "as printed",
@@ -44,7 +45,9 @@ PAPER: dict[str, Any] = {
 }
 ELEMENTS: dict[str, Any] = PAPER | {
     "method": "B-bar FEM",
-    **dict.fromkeys(("formulation", "secondary", "operator", "weighting", "integrator"), "-"),
+    **dict.fromkeys(
+        ("formulation", "secondary", "operator", "weighting", "integrator", "tau_unit"), "-"
+    ),
     "projection": "none",
     "cfl": 0.6,
     **dict.fromkeys(("h_over_dx", "tau_F", "xi_F", "tau_p"), 0.0),

@@ -22,7 +22,7 @@ from studies.harness.results import Tables
 
 _SETTING = [
     "group", "method", "formulation", "secondary", "operator", "weighting", "projection",
-    "integrator", "spacing", "particles", "h_over_dx", "cfl", "tau_F", "xi_F", "tau_p",
+    "integrator", "spacing", "particles", "h_over_dx", "cfl", "tau_F", "tau_unit", "xi_F", "tau_p",
 ]  # fmt: skip
 _OUTCOME = ["steps", "survived", "outcome", "lost_at", "why", "wall_s"]
 COLUMNS = {

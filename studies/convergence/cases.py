@@ -11,6 +11,7 @@ import sphsolid as sph
 from sphsolid.cloud import OperatorKind, SecondaryPoints
 from sphsolid.record import Snapshot, Solver, instant_errors, march, period_errors
 from sphsolid.scenes import Scene, amplitude_of_gradient, swinging_cube
+from sphsolid.scheme.intrinsic_time import as_time
 from sphsolid.scheme.projection import AngularMomentumTreatment
 
 #: Instants of one period at which errors are taken: ``t_k = (k + 1/2) T / 12``.  Neither sine nor
@@ -34,10 +35,18 @@ OPERATORS: dict[str, OperatorKind] = {
     "Consistent(force)": sph.Consistent(use="force"),
 }
 SECONDARY: dict[str, SecondaryPoints] = {"H1": sph.H1(), "H6": sph.H6()}
+#: Intrinsic times by what their number is one of.
+TIMES: dict[str, type[sph.OfMesh] | type[sph.OfStep]] = {"dt": sph.OfStep, "h/c_p": sph.OfMesh}
 PROJECTIONS: dict[str, AngularMomentumTreatment] = {
     "local": sph.LocalProjection(),
     "none": sph.NoProjection(),
 }
+
+
+def said(time: sph.OfMesh | sph.OfStep | float) -> str:
+    """``0.5 h/c_p``, ``0.1 dt``."""
+    known = as_time(time)
+    return f"{known.c:.3g} {known.unit}"
 
 
 def instants_of(sim: Solver) -> Iterator[Snapshot]:

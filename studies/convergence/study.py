@@ -119,12 +119,17 @@ def _nearly_incompressible(cells: int, secondary: Sequence[str]) -> Iterator[Cas
     yield _case("linear", family, cells, "B-bar FEM", **nu)
 
 
+#: Cells per side of every level, and of the last one where none is named.
+LEVELS = (4, 8, 16, 32, 64)
+FINEST, FINEST_QUICK = 32, 16
+
+
 def cases(options: argparse.Namespace) -> list[Case]:
     """Every run of the study; finer levels come last, the front starts long ones first."""
-    levels = [4, 8, 16] if options.quick else [4, 8, 16, 32, 64]
-    finest = 16 if options.quick else options.finest
-    require(finest in levels, f"--finest {finest}: choose one of {levels[1:]}")
-    levels = [cells for cells in levels if cells <= finest]
+    usual = FINEST_QUICK if options.quick else FINEST
+    finest = usual if options.finest is None else options.finest
+    require(finest in LEVELS, f"--finest {finest}: choose one of {list(LEVELS)}")
+    levels = [cells for cells in LEVELS if cells <= finest]
     listed: list[Case] = []
     for cells in levels:
         listed += _of_level(cells, options.quick)
@@ -181,8 +186,9 @@ def summary(tables: Tables) -> str:
 def arguments(parser: argparse.ArgumentParser) -> None:
     """``--finest``: the last refinement."""
     parser.add_argument(
-        "--finest", type=int, default=32, help="cells per side of the last level (default 32)"
-    )
+        "--finest", type=int, help="cells per side of the last level "
+        f"(default {FINEST}, {FINEST_QUICK} with --quick)",
+    )  # fmt: skip
 
 
 STUDY = Study(

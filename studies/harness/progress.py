@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Protocol
 
 from rich.console import Console
@@ -37,6 +38,17 @@ class Reporter(Protocol):
         ...
 
 
+@dataclass
+class _Pace:
+    cost: float = 0.0
+    wall: float = 0.0
+
+    def add(self, cost: float, wall: float) -> None:
+        """One more finished case."""
+        self.cost += cost
+        self.wall += wall
+
+
 class Estimate:
     """Share of the expected work done, and the time left at the pace so far."""
 
@@ -46,13 +58,16 @@ class Estimate:
         self._jobs = jobs
         self._cost = {case.key: case.cost for case in cases}
         self._total = sum(self._cost.values())
-        self._finished_cost = 0.0
-        self._finished_wall = 0.0
+        #: Cost and wall time [s] of what is finished: first cases of a worker, and all others.
+        self._first, self._later = _Pace(), _Pace()
         self._running: dict[str, float] = {}
+        self._begun: list[str] = []
 
     def started(self, case: Case) -> None:
         """Begin to count the time of a case."""
         self._running[case.key] = time.monotonic()
+        if case.key not in self._begun:
+            self._begun.append(case.key)
 
     def finished(self, case: Case, outcome: Outcome) -> None:
         """Learn the pace; a case that stopped early says nothing about it."""
@@ -60,8 +75,9 @@ class Estimate:
         cost = self._cost.pop(case.key, 0.0)
         self.done += 1
         if not outcome.failed:
-            self._finished_cost += cost
-            self._finished_wall += outcome.wall_s
+            # The first case of a worker pays for its imports and for loading the kernels.
+            is_first = case.key in self._begun[: self._jobs]
+            (self._first if is_first else self._later).add(cost, outcome.wall_s)
 
     @property
     def percent(self) -> float:
@@ -89,10 +105,14 @@ class Estimate:
             return "done"
         if left is not None and left < 0.5 and self._running:
             return "longer than expected"
+        if left is not None and self._later.cost == 0.0:
+            return f"at most {duration(left)} left"
         return f"{duration(left)} left"
 
     def _pace(self) -> float | None:
-        return self._finished_wall / self._finished_cost if self._finished_cost else None
+        """Seconds a unit of cost: too many as long as only first cases of a worker are known."""
+        known = self._later if self._later.cost else self._first
+        return known.wall / known.cost if known.cost else None
 
     def _age(self, key: str) -> float:
         return time.monotonic() - self._running[key] if key in self._running else 0.0

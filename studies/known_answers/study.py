@@ -14,6 +14,7 @@ import pandas as pd
 
 from sphsolid import PF, scenes
 from sphsolid.defaults import default_cfl, default_integrator, default_stabilisation
+from studies.convergence.cases import said
 from studies.harness.cases import Case, Row
 from studies.harness.front import Results, Study
 from studies.harness.results import Tables
@@ -102,12 +103,12 @@ def _of_the_package() -> str:
     integrator = default_integrator()
     cfl = default_cfl(integrator)
     solids = (scenes.cable().material, scenes.bending_column().material)
-    chosen = [default_stabilisation(PF(), material, cfl) for material in solids]
+    chosen = [default_stabilisation(PF(), material) for material in solids]
     weighting = "self-adjoint" if chosen[0].is_self_adjoint else "printed"
-    times = sorted({f"{cfl * supg.tau_F:.3g}" for supg in chosen})
+    times = sorted({said(supg.tau_F) for supg in chosen})
     return (
         f"{integrator.name} at CFL {cfl:g}, {chosen[0].name} with {weighting} weighting, tau_F = "
-        f"{' and '.join(times)} h/c_p"
+        f"{' and '.join(times)}"
     )
 
 

@@ -145,7 +145,7 @@ def _of_stabilisation(sim: sph.Simulation) -> Work:
         # The fine stress back to the particles, and F_x there to project it.
         primary = sim.cloud.size * sim.cloud.kinematic.mean_neighbours
         work += Work.of(pairs, 9, 9) + Work.of(primary, 3, 9)
-    if supg.tau_p > 0.0:
+    if supg.damps_J:
         work += Work.of(pairs, 9 + 3, 12) + Work.of(pairs, 3, 3)
     return work
 

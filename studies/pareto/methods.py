@@ -11,7 +11,6 @@ from fem_reference.element import Element
 from sphsolid.cloud import SecondaryPoints
 from sphsolid.defaults import (
     Integrator,
-    default_cfl,
     default_integrator,
     default_stabilisation,
 )
@@ -107,8 +106,7 @@ class Particles:
         """The default for the formulation and the material, at these secondary points."""
         if isinstance(self.secondary, NoStabilisation):
             return self.secondary
-        cfl = default_cfl(self.integrator)
-        chosen = default_stabilisation(self.formulation, scene.material, cfl)
+        chosen = default_stabilisation(self.formulation, scene.material)
         if self.integrator == _TVD_RK2:
             chosen = sph.SUPG(tau_F=1.0, xi_F=0.0, tau_p=chosen.tau_p)
         return replace(chosen, secondary=self.secondary)

@@ -17,7 +17,7 @@ from sphsolid.record import EnergyLedger, MomentumDrift, Reactions, Snapshot
 from sphsolid.scenes import HeldVelocity, InitialVelocity, Scene, punch
 from sphsolid.scenes.punch import Press
 from sphsolid.scheme.stabilisation import Stabilisation
-from studies.convergence.cases import FORMULATIONS, OPERATORS, SECONDARY
+from studies.convergence.cases import FORMULATIONS, OPERATORS, SECONDARY, TIMES
 from studies.pictures.shots import SaveShots, ShotFolder
 from studies.punch.methods import FEM, METHODS, Method
 from studies.report.indicators import pressure_noise, pressure_range
@@ -90,7 +90,7 @@ def simulation(scene: Scene, *, method: str, operator: str, cells: int) -> Any:
         given |= {"integrator": sph.TVDRK2(), "cfl": 0.3, "stabilisation": _stabilisation(m)}
     sim = sph.Simulation(scene, spacing=1.0 / cells, **given)
     usual = sim.stabilisation
-    if m.by_default and isinstance(usual, sph.SUPG) and m.tau_p != usual.tau_p:
+    if m.by_default and isinstance(usual, sph.SUPG) and sph.OfStep(m.tau_p) != usual.tau_p:
         given["stabilisation"] = replace(usual, tau_p=m.tau_p)
         sim = sph.Simulation(scene, spacing=1.0 / cells, **given)
     return sim
@@ -100,7 +100,8 @@ def _stabilisation(m: Method) -> Stabilisation:
     if m.secondary == "-":
         return sph.NoStabilisation()
     return sph.SUPG(
-        tau_F=m.tau_F, xi_F=m.xi_F, tau_p=m.tau_p, secondary=SECONDARY[m.secondary]
+        tau_F=TIMES[m.tau_unit](m.tau_F), xi_F=m.xi_F, tau_p=m.tau_p,
+        secondary=SECONDARY[m.secondary],
     )
 
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from sphsolid import PFJ
 from sphsolid.defaults import default_stabilisation
 from sphsolid.scenes import punch
+from sphsolid.scheme.intrinsic_time import as_time
 
 #: Name of the finite element runs, which have no operator and no stabilisation.
 FEM = "B-bar FEM"
@@ -28,8 +29,8 @@ TAU_P = (0.0, 0.05, 0.1, 0.2)
 class Method:
     """One method: ``formulation`` and ``secondary`` by name, ``-`` where there is none.
 
-    ``tau_F`` and ``tau_p`` in time steps.  ``wide``: cubic spline, support 2 spacings, in the
-    place of the default smoothing function.  ``by_default``: integrator, CFL number and all
+    ``tau_F`` in ``tau_unit``, ``tau_p`` in time steps.  ``wide``: cubic spline, support 2 spacings,
+    in the place of the default smoothing function.  ``by_default``: integrator, CFL number and all
     stabilisation but ``tau_p`` are the package's; otherwise ``D(p)`` is weighted as printed and
     the paper's TVD-RK2 runs at CFL 0.3.
     """
@@ -37,6 +38,7 @@ class Method:
     formulation: str = "-"
     secondary: str = "-"
     tau_F: float = 0.0
+    tau_unit: str = "dt"
     xi_F: float = 0.0
     tau_p: float = 0.0
     wide: bool = False
@@ -59,6 +61,7 @@ def without_tau_F(tau_p: float) -> str:
 
 
 _CHOSEN = default_stabilisation(PFJ(), punch().material)
+_TAU_F = as_time(_CHOSEN.tau_F)
 METHODS: dict[str, Method] = {
     FEM: Method(),
     DISPLACEMENT: Method("displacement"),
@@ -68,8 +71,8 @@ METHODS: dict[str, Method] = {
     H1: Method("{p,F,H,J}", "H1", tau_F=0.5, xi_F=0.1, tau_p=0.1),
     **{
         toolkit(tau_p): Method(
-            "{p,F,J}", _CHOSEN.secondary.name, tau_F=_CHOSEN.tau_F, xi_F=_CHOSEN.xi_F,
-            tau_p=tau_p, by_default=True,
+            "{p,F,J}", _CHOSEN.secondary.name, tau_F=_TAU_F.c, tau_unit=_TAU_F.unit,
+            xi_F=_CHOSEN.xi_F, tau_p=tau_p, by_default=True,
         )
         for tau_p in TAU_P
     },

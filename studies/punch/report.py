@@ -9,6 +9,7 @@ import pandas as pd
 from sphsolid import PFJ
 from sphsolid.defaults import default_cfl, default_integrator, default_stabilisation
 from sphsolid.scenes import punch
+from studies.convergence.cases import said
 from studies.convergence.figures import select
 from studies.harness.front import Results
 from studies.punch.cases import PRESSES
@@ -186,11 +187,11 @@ def _what_is_run() -> list[Block]:
 def _of_the_package() -> str:
     material, integrator = punch().material, default_integrator()
     cfl = default_cfl(integrator)
-    chosen = default_stabilisation(PFJ(), material, cfl)
+    chosen = default_stabilisation(PFJ(), material)
     weighting = "self-adjoint" if chosen.is_self_adjoint else "printed"
     return (
         f"{integrator.name} at CFL {cfl:g}, {weighting} weighting of D(p), tau_F = "
-        f"{cfl * chosen.tau_F:.3g} h/c_p, which is {chosen.tau_F:.3g} dt, xi_F = {chosen.xi_F:g}"
+        f"{said(chosen.tau_F)}, xi_F = {chosen.xi_F:g}"
     )
 
 

@@ -242,9 +242,7 @@ def column(*, integrator: str, cells: int) -> list[dict[str, Any]]:
         integrator=chosen,
         stabilisation=sph.SUPG(tau_p=0.1)
         if paper
-        else default_stabilisation(
-            sph.PFJ(), scene.material, 0.7 if integrator == "position Verlet" else 0.5
-        ),
+        else default_stabilisation(sph.PFJ(), scene.material),
     )
     start = sim.snapshot()
     before = resource.getrusage(resource.RUSAGE_SELF).ru_utime

@@ -89,7 +89,7 @@ def passes(sim: sph.Simulation) -> list[Pass]:
                 Pass(
                     "secondary points",
                     lambda: fine_scale.simplified(
-                        q.sampling, material.density, 1.0, 0.0, projects, supg.tau_p > 0.0, p, x, F,
+                        q.sampling, material.density, 1.0, 0.0, projects, supg.damps_J, p, x, F,
                         rate, P_fine, F_x_q, scratch,
                     ),
                     (18.0 * gradients + 18.0) * pairs_of(q.sampling)
@@ -109,7 +109,7 @@ def passes(sim: sph.Simulation) -> list[Pass]:
                     bytes_of(q.spreading) + bytes_of(cloud.force) + _moved([x, P_fine], [P]),
                 )
             )
-        if supg.tau_p > 0.0:
+        if supg.damps_J:
             flux, inertia = components(rhs.flux), components(rhs._inertia)
             listed += [
                 Pass(

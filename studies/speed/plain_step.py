@@ -1,7 +1,8 @@
 """The paper's step with numpy and scipy's sparse matrices: what a kernel has to be worth.
 
 {p, F}, ``D(p)`` as printed with ``P_fine = tau gamma R_F`` (27), projection, TVD-RK2: the same
-numbers as ``sphsolid`` to round-off, from matrices that are multiplied one after another.
+numbers as ``sphsolid`` to round-off where it takes the step that the CFL rule allows and ``tau_F``
+is one of the step, from matrices that are multiplied one after another.
 """
 
 from __future__ import annotations
@@ -14,6 +15,7 @@ import sphsolid as sph
 from sphsolid.cloud.pairs.neighbours import PairList
 from sphsolid.continuum import law
 from sphsolid.continuum.tensor import cofactor, determinant, join, split
+from sphsolid.scheme.intrinsic_time import as_time
 from sphsolid.scheme.projection import project
 
 Array = NDArray[np.float64]
@@ -34,7 +36,9 @@ class PlainStepper:
         assert isinstance(supg, sph.SUPG)
         assert isinstance(supg.fine_scale, sph.SimplifiedHessian)
         self._material = sim.scene.material
-        self._tau_gamma = supg.tau_F * supg.fine_scale.moduli(self._material)[0]
+        tau = as_time(supg.tau_F)
+        assert isinstance(tau, sph.OfStep)
+        self._tau_gamma = tau.c * supg.fine_scale.moduli(self._material)[0]
         self._essential = sim._rhs.essential
         n = cloud.size
         self._G = _matrices(cloud.pairs, cloud.gradients.kinematic, n)

@@ -14,6 +14,7 @@ from sphsolid.defaults import (
     default_stabilisation,
 )
 from sphsolid.scenes import Scene
+from sphsolid.scheme.intrinsic_time import as_time
 from studies.convergence.cases import FORMULATIONS, SECONDARY
 
 Simulation = fem.Simulation | sph.Simulation
@@ -32,7 +33,7 @@ class Method:
 
     ``solver`` is ``SUPG-SPH``, ``SPH`` (no stabilisation) or ``B-bar FEM``; ``cfl`` is that of the
     method's own rule.  With ``weighting`` ``self-adjoint`` ``tau_F`` is in units of the default's,
-    which is a time of the solid and the spacing; with ``printed`` of the step, as is ``tau_p``.
+    which is a time of the mesh; with ``printed`` of the step, as is ``tau_p``.
     """
 
     name: str
@@ -68,18 +69,17 @@ class Method:
     def _stabilisation(self, scene: Scene) -> sph.SUPG | sph.NoStabilisation:
         if self.solver == "SPH":
             return sph.NoStabilisation()
-        supg = default_stabilisation(
-            FORMULATIONS[self.formulation](), scene.material, self.cfl
-        )
+        supg = default_stabilisation(FORMULATIONS[self.formulation](), scene.material)
+        usual = as_time(supg.tau_F)
         supg = replace(
             supg,
-            tau_F=self.tau_F * supg.tau_F,
+            tau_F=replace(usual, c=self.tau_F * usual.c),
             xi_F=self.xi_F,
             tau_p=supg.tau_p if self.tau_p == CHOSEN else self.tau_p,
             secondary=SECONDARY[self.secondary],
         )
         if self.weighting == "printed":
-            return replace(supg, tau_F=self.tau_F, weighting=sph.AsPrinted())
+            return replace(supg, tau_F=sph.OfStep(self.tau_F), weighting=sph.AsPrinted())
         return supg
 
 

@@ -2,7 +2,7 @@
 
 One step of the integrator takes a small disturbance ``Y`` of a uniform state at rest to ``g Y``.
 The rates are those of ``RightHandSide.evaluate``, differentiated by central differences of fourth
-order.  They are a polynomial in ``dt`` (``spectrum_times``), so few Jacobians serve every step:
+order.  They are a polynomial in ``dt`` (``rates_by_step``), so few Jacobians serve every step:
 ``A`` by a disturbance of the state, ``B`` by one of the geometry that ``F_x`` is taken from.
 ``spectrum_step`` makes the map of them.
 
@@ -27,8 +27,8 @@ from sphsolid import SSPRK3, SUPG, Simulation
 from sphsolid.continuum.tensor import cofactor, contract, cross, join, split
 from sphsolid.errors import require
 from sphsolid.scheme.right_hand_side import State
+from studies.stability.rates_by_step import interpolated, nodes, times_at, unit_time
 from studies.stability.spectrum_step import CoarseRate, Layout, Rate, step_map
-from studies.stability.spectrum_times import OfTheStep, Times, interpolated, nodes
 
 Array = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
@@ -43,7 +43,7 @@ def J_is_free(simulation: Simulation) -> bool:
     Otherwise it changes as the strains do.
     """
     formulation, supg = simulation.formulation, simulation.stabilisation
-    damped = isinstance(supg, SUPG) and supg.tau_p > 0.0
+    damped = isinstance(supg, SUPG) and supg.damps_J
     return formulation.evolves_J and (damped or not formulation.evolves_F)
 
 
@@ -51,23 +51,21 @@ class Linearisation:
     """Step map of a simulation about its initial state, which must be at rest.
 
     ``layout`` says which unknowns there are: the free components of ``w`` and ``v``, ``J`` where it
-    is not tied to ``w``, ``x`` where it is felt and is not ``w``.  ``times`` says what the
-    intrinsic times do when the step is changed.
+    is not tied to ``w``, ``x`` where it is felt and is not ``w``.
     Raises ``InputError`` where the initial state moves or a constraint is not along an axis.
     """
 
-    def __init__(self, simulation: Simulation, times: Times = OfTheStep()) -> None:  # noqa: B008
+    def __init__(self, simulation: Simulation) -> None:
         sim = simulation
         require(
             not np.any(sim.state.p),
             f"the spectrum of {sim.name} is that of a state at rest; start it without velocity",
         )
         self.simulation = sim
-        self.times = times
-        self._nodes = nodes(times, sim.stabilisation)
+        self._nodes = nodes(sim.stabilisation)
         self.rhs = sim._rhs
         self.length = sim.cloud.h_min
-        self.unit_time = sim.stable_time_step() / sim._time_step.cfl
+        self.unit_time = unit_time(sim)
         self.has_J = J_is_free(sim)
         self._base = State(**{name: array.copy() for name, array in vars(sim.state).items()})
         allowed = np.ones((sim.cloud.size, 3))
@@ -139,8 +137,8 @@ class Linearisation:
             state.J += contract(split(base.H) if f.evolves_H else cofactor(F), change)
         state.F += base.F
         x = base.x + (step * self.length) * z
-        rhs.stabilisation = self.times.at(self.simulation.stabilisation, cfl)
-        rates = rhs.evaluate(state, x, cfl * self.unit_time, 0.0)
+        rhs.times = times_at(self.simulation, cfl * self.unit_time)
+        rates = rhs.evaluate(state, x, 0.0)
         pdot = rates.p.reshape(-1)[self.free] * (self.unit_time / (density * speed))
         parts = [step * v.reshape(-1)[self.free], pdot]
         return np.concatenate(parts + ([rates.J * self.unit_time] if self.has_J else []))

@@ -20,6 +20,7 @@ from sphsolid.scenes.constraint import Constraint
 from sphsolid.scenes.scene import Scene
 from sphsolid.scheme import AsPrinted, Formulation, SelfAdjoint
 from sphsolid.scheme.stabilisation import Weighting
+from studies.convergence.cases import TIMES
 from studies.stability.spectrum import Linearisation
 from studies.stability.spectrum_growth import (
     CFL_OF_BLOCKS,
@@ -31,7 +32,6 @@ from studies.stability.spectrum_growth import (
 )
 from studies.stability.spectrum_modes import name_of_wave, shape
 from studies.stability.spectrum_symbol import Symbol
-from studies.stability.spectrum_times import OfTheMesh, OfTheStep, Times
 
 FORMULATIONS: dict[str, Formulation] = {
     "{p,F}": sph.PF(),
@@ -52,8 +52,6 @@ SMOOTHING: dict[str, SmoothingFunction] = {
 }
 SECONDARY: dict[str, SecondaryPoints] = {"H1": sph.H1(), "H6": sph.H6()}
 WEIGHTINGS: dict[str, Weighting] = {"printed": AsPrinted(), "self-adjoint": SelfAdjoint()}
-#: What ``tau_F`` is a number of; see ``spectrum_times``.
-TIMES: dict[str, Times] = {"dt": OfTheStep(), "h/c_p": OfTheMesh()}
 BODIES: dict[str, tuple[Constraint, ...]] = {
     "free": (),
     "clamped": (Constraint("Y-", "all"),),
@@ -76,6 +74,7 @@ def simulation(
     smoothing: str,
     h_over_dx: float,
     weighting: str,
+    tau_unit: str,
     tau_F: float,
     xi_F: float,
     tau_p: float,
@@ -83,7 +82,10 @@ def simulation(
     jitter: float,
     stretch: float,
 ) -> sph.Simulation:
-    """A box of ``cells`` cubes at rest, stretched along X (free to contract), nothing run."""
+    """A box of ``cells`` cubes at rest, stretched along X (free to contract), nothing run.
+
+    ``tau_unit`` says what ``tau_F`` is a number of; ``tau_p`` is one of the step.
+    """
     material = sph.NeoHookean.from_young(young_modulus=17.0e6, poisson_ratio=nu, density=1100.0)
     across = contraction(material, stretch)
     gradient = np.array([stretch, across, across]) - 1.0
@@ -99,7 +101,7 @@ def simulation(
         sph.NoStabilisation()
         if secondary == "none"
         else sph.SUPG(
-            tau_F=tau_F,
+            tau_F=TIMES[tau_unit](tau_F),
             xi_F=xi_F,
             tau_p=tau_p,
             secondary=SECONDARY[secondary],
@@ -136,22 +138,22 @@ def contraction(material: Any, stretch: float) -> float:
 
 
 def block(
-    *, scan_of: str, variant: str, base: str, body: str, side: int, tau_unit: str, **options: Any
+    *, scan_of: str, variant: str, base: str, body: str, side: int, **options: Any
 ) -> list[dict[str, Any]]:
     """Dense spectrum of a cube of ``side`` particles: rows over CFL, then one of limits."""
     started = time.perf_counter()
     cells = (side - 1, side - 1, side - 1)
-    linear = Linearisation(simulation(body=body, cells=cells, **options), TIMES[tau_unit])
+    linear = Linearisation(simulation(body=body, cells=cells, **options))
     known = scan(lambda cfl: largest_modulus(linear.eigenvalues(cfl)), CFL_OF_BLOCKS)
     found = limits(lambda cfl: largest_modulus(linear.eigenvalues(cfl)), known)
-    labels = _labels(scan_of, variant, base, body, f"{side}^3", options | {"tau_unit": tau_unit})
+    labels = _labels(scan_of, variant, base, body, f"{side}^3", options)
     usual = _named(linear, usual_cfl(options["integrator"]))
     beyond = _named(linear, found["fast"] + 0.05)
     return _rows(labels, known, found, usual, beyond, started)
 
 
 def interior(
-    *, scan_of: str, variant: str, base: str, body: str, side: int, tau_unit: str, **options: Any
+    *, scan_of: str, variant: str, base: str, body: str, side: int, **options: Any
 ) -> list[dict[str, Any]]:
     """The same for plane waves inside a lattice, ``side`` a full axis of the Brillouin zone."""
     started = time.perf_counter()
@@ -160,7 +162,7 @@ def interior(
     # Two rows of neighbours within what the consistent operator leaves alone at the boundary.
     cells = 2 * (max(2, 2 * reach) + 2 * reach)
     block_of_cells = simulation(body=body, cells=(cells, cells, cells), **options)
-    symbol = Symbol(block_of_cells, TIMES[tau_unit])
+    symbol = Symbol(block_of_cells)
     k = symbol.waves(side)
 
     def modulus(cfl: float) -> float:
@@ -179,24 +181,24 @@ def interior(
 
     known = scan(modulus)
     found = limits(modulus, known)
-    labels = _labels(scan_of, variant, base, body, "infinite", options | {"tau_unit": tau_unit})
+    labels = _labels(scan_of, variant, base, body, "infinite", options)
     usual = named(usual_cfl(options["integrator"]))
     return _rows(labels, known, found, usual, named(found["fast"] + 0.05), started)
 
 
 def large(
-    *, scan_of: str, variant: str, base: str, body: str, cells: list[int], tau_unit: str,
+    *, scan_of: str, variant: str, base: str, body: str, cells: list[int],
     **options: Any,
 ) -> list[dict[str, Any]]:
     """The spectrum of a larger body at the default CFL number alone."""
     started = time.perf_counter()
     sim = simulation(body=body, cells=(cells[0], cells[1], cells[2]), **options)
-    linear = Linearisation(sim, TIMES[tau_unit])
+    linear = Linearisation(sim)
     cfl = usual_cfl(options["integrator"])
     g, modes = linear.modes(cfl)
     first = int(np.flatnonzero(np.abs(g - 1.0) >= NEUTRAL)[0])
     size = "x".join(str(n + 1) for n in cells)
-    labels = _labels(scan_of, variant, base, body, size, options | {"tau_unit": tau_unit})
+    labels = _labels(scan_of, variant, base, body, size, options)
     usual = _shape_row(linear, complex(g[first]), modes[:, first], cfl)
     return _rows(labels, {cfl: float(abs(g[first]))}, {}, usual, {}, started)
 

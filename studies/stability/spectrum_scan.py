@@ -43,9 +43,10 @@ def chosen(**changes: Any) -> dict[str, Any]:
         young_modulus=17.0e6, poisson_ratio=options["nu"], density=1100.0
     )
     formulation = FORMULATIONS[options["formulation"]]
-    # At CFL 1 the step is h / c_p.
-    supg = default_stabilisation(formulation, material, 1.0)
-    times = {"tau_F": supg.tau_F, "tau_p": supg.tau_p}
+    supg = default_stabilisation(formulation, material)
+    tau_F, tau_p = supg.intrinsic_times["tau_F"], supg.intrinsic_times["tau_p"]
+    assert (tau_F.unit, tau_p.unit) == (DEFAULT["tau_unit"], "dt")
+    times = {"tau_F": tau_F.c, "tau_p": tau_p.c}
     if options["secondary"] == "none":
         times["tau_p"] = 0.0
     return options | times | changes

@@ -23,9 +23,9 @@ from sphsolid.continuum import law
 from sphsolid.continuum.tensor import Tensor, cofactor, determinant, split
 from sphsolid.errors import require
 from sphsolid.scheme.projection import project
+from studies.stability.rates_by_step import times_at, unit_time
 from studies.stability.spectrum import J_is_free
 from studies.stability.spectrum_step import Block, Layout, step_map
-from studies.stability.spectrum_times import OfTheStep, Times
 
 Array = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
@@ -40,7 +40,7 @@ class Symbol:
     ``SimplifiedHessian``.
     """
 
-    def __init__(self, simulation: Simulation, times: Times = OfTheStep()) -> None:  # noqa: B008
+    def __init__(self, simulation: Simulation) -> None:
         sim = simulation
         supg = sim.stabilisation
         require(
@@ -52,9 +52,8 @@ class Symbol:
             "the symbol is written for SimplifiedHessian(); take the spectrum of a block",
         )
         self.simulation = sim
-        self.times = times
         self.length = sim.cloud.h_min
-        self.unit_time = sim.stable_time_step() / sim._time_step.cfl
+        self.unit_time = unit_time(sim)
         self.has_J = J_is_free(sim)
         self.inner = _inner_particle(sim)
         self._F = split(sim.state.F[self.inner])
@@ -124,17 +123,16 @@ class Symbol:
         by_F, by_J, by_geometry, of_projection = self._stress_by
         F_x = _dyad(x, force)
         P = F @ by_F.T + J[:, None] * by_J + F_x @ by_geometry.T
-        supg, q = self.times.at(sim.stabilisation, cfl), sim.secondary
+        supg, q, times = sim.stabilisation, sim.secondary, times_at(sim, cfl * self.unit_time)
         found: list[tuple[ComplexArray, ...]] = []
         if q is not None and isinstance(supg, SUPG):
             assert isinstance(supg.fine_scale, SimplifiedHessian)
             gamma, alpha = supg.fine_scale.moduli(sim.scene.material)
-            tau = supg.tau_F * cfl * self.unit_time
             interpolated = Fdot @ of_projection.T if supg.is_self_adjoint else Fdot
             for point, spread in self._points_around(k):
                 sample = _row(k, q.X[point], cloud.X, q.pairs, point, q.sample)
                 g, w = sample[:, :3], sample[:, 3:]
-                fine = tau * gamma * (_dyad(v, g) - w * interpolated)
+                fine = times.F * gamma * (_dyad(v, g) - w * interpolated)
                 fine += supg.xi_F * alpha * (_dyad(x, g) - w * F)
                 fine = fine @ of_projection.T
                 if supg.is_self_adjoint:
@@ -147,8 +145,7 @@ class Symbol:
             pdot -= _contract(fine, spread)
             if self.has_J:
                 flux = (_contract(P, g) - w * galerkin) @ H0.reshape(3, 3)
-                factor = supg.tau_p * cfl * self.unit_time / rho
-                Jdot -= factor * np.sum(flux * spread, axis=1)
+                Jdot -= times.p / rho * np.sum(flux * spread, axis=1)
         parts = [y[:, 3:6], pdot * self.unit_time / (rho * speed)]
         return np.concatenate(
             parts + ([Jdot[:, None] * self.unit_time] if self.has_J else []), axis=1

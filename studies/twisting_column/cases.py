@@ -21,7 +21,7 @@ from sphsolid.record.recorders import Recorder
 from sphsolid.scenes import twisting_column
 from sphsolid.scenes.scene import Scene
 from sphsolid.scheme.stabilisation import Stabilisation
-from studies.convergence.cases import FORMULATIONS, OPERATORS, SECONDARY
+from studies.convergence.cases import FORMULATIONS, OPERATORS, SECONDARY, TIMES
 from studies.pictures.shots import SaveShots, ShotFolder
 from studies.report.indicators import pressure_noise, twist_of_top, whole_turns
 from studies.twisting_column.methods import INTEGRATORS, SELF_ADJOINT
@@ -100,6 +100,7 @@ def simulation(
     operator: str,
     weighting: str,
     tau_F: float,
+    tau_unit: str,
     xi_F: float,
     tau_p: float,
     integrator: str,
@@ -107,7 +108,8 @@ def simulation(
     cfl: float,
     nu: float,
 ) -> Any:
-    """The solver of a case, ``cells`` per metre; ``tau_F``, ``tau_p`` in units of the step.
+    """The solver of a case, ``cells`` per metre; ``tau_F`` in ``tau_unit``, ``tau_p`` in
+    units of the step.
 
     With the package's integrator only what differs from its defaults is given.
     """
@@ -117,7 +119,7 @@ def simulation(
     stabilisation: Stabilisation = sph.NoStabilisation()
     if method == "SUPG-SPH":
         stabilisation = sph.SUPG(
-            tau_F=tau_F, xi_F=xi_F, tau_p=tau_p, secondary=SECONDARY[secondary],
+            tau_F=TIMES[tau_unit](tau_F), xi_F=xi_F, tau_p=tau_p, secondary=SECONDARY[secondary],
             weighting=sph.SelfAdjoint() if weighting == SELF_ADJOINT else sph.AsPrinted(),
         )  # fmt: skip
     fields = FORMULATIONS[formulation]()
@@ -129,7 +131,7 @@ def simulation(
         given["integrator"] = INTEGRATORS[integrator]
     else:
         chosen = {
-            "stabilisation": default_stabilisation(fields, scene.material, cfl),
+            "stabilisation": default_stabilisation(fields, scene.material),
             "operator": sph.Consistent(), "cfl": default_cfl(usual),
         }  # fmt: skip
         given = {name: value for name, value in given.items() if value != chosen[name]}
@@ -279,7 +281,7 @@ def cost_case(*, cells: int, steps: int, rounds: int) -> list[Row]:
     best = dict.fromkeys(setups, float("inf"))
     same = {
         "formulation": "{p,F,H,J}", "operator": "Consistent", "weighting": "as printed",
-        "tau_F": 1.0, "integrator": "TVD-RK2",
+        "tau_F": 1.0, "tau_unit": "dt", "integrator": "TVD-RK2",
     }  # fmt: skip
     sims = {
         name: simulation(cells=cells, cfl=0.3, nu=0.495, **same, **setup)  # type: ignore[arg-type]

@@ -25,7 +25,7 @@ H1, H6 = "SUPG-SPH H1 (paper)", "SUPG-SPH H6 (paper)"
 #: ``Simulation(scene, spacing=..., formulation=PFJ())`` with nothing else given.
 TOOLKIT = "default {p,F,J}"
 NO_TAU_P = f"{TOOLKIT}, tau_p = 0"
-#: The same with three evaluations a step, at its own CFL number and ``tau_F`` in seconds kept.
+#: The same with three evaluations a step, at its own CFL number.
 THREE_STAGES = f"{TOOLKIT}, SSP-RK3"
 LITERAL, LITERAL_H6 = f"{H1}, Literal", f"{H6}, Literal"
 FORCE = f"{H1}, Consistent(force)"
@@ -41,7 +41,7 @@ PAPER_RK2 = TVDRK2().name
 AS_PRINTED, SELF_ADJOINT = "as printed", "self-adjoint"
 _SUPG = {
     "method": "SUPG-SPH", "secondary": "H1", "operator": "Consistent", "weighting": AS_PRINTED,
-    "tau_F": 1.0, "integrator": PAPER_RK2,
+    "tau_F": 1.0, "tau_unit": "dt", "integrator": PAPER_RK2,
 }  # fmt: skip
 _PAPER_H1 = _SUPG | {"formulation": "{p,F,H,J}", "xi_F": 0.2, "tau_p": 0.1}
 _PAPER_H6 = _PAPER_H1 | {"secondary": "H6", "xi_F": 0.0}
@@ -50,20 +50,22 @@ _PAPER_H6 = _PAPER_H1 | {"secondary": "H6", "xi_F": 0.0}
 def by_default(
     formulation: PF | PFJ, integrator: Integrator | None = None, nu: float = NU
 ) -> dict[str, Any]:
-    """What the package chooses of the stabilisation, at the integrator's own CFL number."""
+    """What the package chooses of the stabilisation."""
     integrator = default_integrator() if integrator is None else integrator
     material = twisting_column(poisson_ratio=nu).material
-    chosen = default_stabilisation(formulation, material, default_cfl(integrator))
+    chosen = default_stabilisation(formulation, material)
+    tau_F, tau_p = chosen.intrinsic_times["tau_F"], chosen.intrinsic_times["tau_p"]
     return _SUPG | {
         "formulation": formulation.name, "integrator": integrator.name,
         "weighting": SELF_ADJOINT if chosen.is_self_adjoint else AS_PRINTED,
-        "tau_F": chosen.tau_F, "xi_F": chosen.xi_F, "tau_p": chosen.tau_p,
+        "tau_F": tau_F.c, "tau_unit": tau_F.unit, "xi_F": chosen.xi_F, "tau_p": tau_p.c,
     }  # fmt: skip
 
 
 _TOOLKIT = by_default(PFJ())
 _CLASSICAL = {
-    "secondary": "-", "weighting": "-", "tau_F": 0.0, "xi_F": 0.0, "tau_p": 0.0,
+    "secondary": "-", "weighting": "-", "tau_F": 0.0, "tau_unit": "-", "xi_F": 0.0,
+    "tau_p": 0.0,
     "integrator": PAPER_RK2,
 }  # fmt: skip
 _DISPLACEMENT = _CLASSICAL | {"method": "displacement SPH", "formulation": "displacement"}

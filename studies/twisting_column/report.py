@@ -238,10 +238,10 @@ def _what_is_measured(table: pd.DataFrame, low: float, high: float) -> Bullets:
             "not named, 11x61x11 for the unpublished ultra-fine lattice.",
             "`default`: what the package chooses where nothing is given but the formulation: "
             f"{chosen['integrator']} (one evaluation a step), CFL {cfl:g}, {chosen['weighting']} "
-            f"weighting of D(p), tau_F = {cfl * chosen['tau_F']:.3g} h/c_p ({chosen['tau_F']:.3g} "
-            f"dt), xi_F = {chosen['xi_F']:g}, tau_p = {chosen['tau_p']:g} dt at nu = {NU:g}. "
-            f"`SSP-RK3`: three evaluations a step at CFL {usual_cfl(THREE_STAGES):g}, tau_F the "
-            "same seconds. `RK2`: the paper's integrator, CFL 0.3 and weighting as printed with "
+            f"weighting of D(p), tau_F = {chosen['tau_F']:.3g} {chosen['tau_unit']}, xi_F = "
+            f"{chosen['xi_F']:g}, tau_p = {chosen['tau_p']:g} dt at nu = {NU:g}. "
+            f"`SSP-RK3`: three evaluations a step at CFL {usual_cfl(THREE_STAGES):g}, the same "
+            "tau_F. `RK2`: the paper's integrator, CFL 0.3 and weighting as printed with "
             "{p,F,J} and xi_F = 0.",
             f"An independent hexahedral FE (Q1-P0, 12x72x12 cells): twist {twist} rad at 20, 40, "
             f"60, 80, 100 ms; height {height} m at 40, 80, 100 ms; percentiles 1 and 99 of the "

@@ -61,7 +61,8 @@ def _case(
     chosen = usual if cfl is None else cfl
     method = settings(label, nu)
     if kept:
-        method |= {name: method[name] * usual / chosen for name in ("tau_F", "tau_p")}
+        shares = ("tau_F", "tau_p") if method["tau_unit"] == "dt" else ("tau_p",)
+        method |= {name: method[name] * usual / chosen for name in shares}
     name = label + KEPT if kept else label
     words = [name, f"1/{cells}"]
     words += [f"CFL {chosen:g}"] if chosen != usual else []
@@ -84,7 +85,7 @@ def _case(
 
 
 def _held(label: str) -> tuple[bool, ...]:
-    """The paper's intrinsic times are multiples of the step, the package's ``tau_F`` is not."""
+    """The paper's intrinsic times are those of the step, the package's ``tau_F`` of the mesh."""
     return (True,) if label in (TOOLKIT, NO_TAU_P) else (False, True)
 
 

@@ -15,8 +15,9 @@ Row = dict[str, Any]
 #: What tells runs apart.
 RUN = ["label", "cells", "cfl", "nu"]
 SETTING = [
-    "method", "formulation", "secondary", "operator", "weighting", "integrator", "tau_F", "xi_F",
-    "tau_p", "h_over_dx", "particles", "steps", "cpu_s", "wall_s", "survived", "end_time", "reason",
+    "method", "formulation", "secondary", "operator", "weighting", "integrator", "tau_F",
+    "tau_unit", "xi_F", "tau_p", "h_over_dx", "particles", "steps", "cpu_s", "wall_s", "survived",
+    "end_time", "reason",
 ]  # fmt: skip
 #: Instants [ms] whose twist, height and noise are columns.
 INSTANTS = (20, 40, 60, 80, 100)

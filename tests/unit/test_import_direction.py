@@ -30,7 +30,8 @@ ALLOWED: dict[str, set[str]] = {
     "sphsolid.cloud": _PROBLEM,
     "sphsolid.scheme": _PROBLEM | {"sphsolid.cloud"},
     "sphsolid.defaults": _PROBLEM | {"sphsolid.cloud", "sphsolid.scheme"},
-    "sphsolid.recommendation": _PROBLEM | {"sphsolid.cloud", "sphsolid.scheme", "sphsolid.defaults"},
+    "sphsolid.recommendation": _PROBLEM
+    | {"sphsolid.cloud", "sphsolid.scheme", "sphsolid.defaults"},
     "sphsolid.describe": _SPH,
     "sphsolid.simulation": _SPH,
     "sphsolid": _SPH,

@@ -166,7 +166,10 @@ def saved(tmp_path_factory: pytest.TempPathFactory) -> Path:
     ("options", "named"),
     [
         ({"formulation": sph.PF()}, r"formulation: PFJ\(\) there, PF\(\) here"),
-        ({"stabilisation": sph.SUPG(tau_F=0.7)}, r"stabilisation: .*tau_F=OfMesh\(c=0.4.*tau_F=OfStep\(c=0.7\)"),
+        (
+            {"stabilisation": sph.SUPG(tau_F=0.7)},
+            r"stabilisation: .*tau_F=OfMesh\(c=0.4.*tau_F=OfStep\(c=0.7\)",
+        ),
         ({"operator": sph.Literal()}, "operator"),
         ({"smoothing": sph.CubicSpline()}, "smoothing"),
         ({"h_over_dx": 0.8}, "h_over_dx: 0.77 there, 0.8 here"),

@@ -92,6 +92,35 @@ def test_a_known_error_is_found_in_its_own_component(exact_state):
     assert max(errors.values()) < 1e-14
 
 
+def test_an_error_counts_by_the_volume_it_is_found_in(exact_state):
+    """Wrong at the corners alone, which stand for an eighth of an inner particle's volume each."""
+    snapshot, wave = exact_state
+    corner = np.isclose(snapshot.V, snapshot.V.min())
+    assert 8 == np.count_nonzero(corner) < len(corner)
+    velocity, P = snapshot.velocity.copy(), snapshot.P.copy()
+    velocity[corner, 1] += 0.5
+    P[corner, 2, 0] += 300.0
+    errors = instant_errors(dataclasses.replace(snapshot, velocity=velocity, P=P), wave)
+    share = np.sqrt(np.sum(snapshot.V[corner]))
+    assert errors["p_y"] == pytest.approx(
+        share * snapshot.density * 0.5 / wave.momentum_scale
+    )
+    assert errors["P_zx"] == pytest.approx(share * 300.0 / wave.stress_scale)
+
+
+def test_stress_has_volumes_of_its_own(exact_state):
+    snapshot, wave = exact_state
+    centroids = np.array([[0.1, 0.5, 0.5], [0.6, 0.5, 0.5]])
+    there = dataclasses.replace(
+        snapshot,
+        stress_X=centroids,
+        stress_V=np.array([0.2, 0.8]),
+        P=wave.first_piola(centroids, snapshot.time) + np.array([1.0, 3.0])[:, None, None],
+    )
+    errors = instant_errors(there, wave)
+    assert errors["P_xy"] == pytest.approx(math.sqrt(0.2 + 0.8 * 9.0) / wave.stress_scale)
+
+
 def test_stress_may_live_on_other_points(exact_state):
     snapshot, wave = exact_state
     centroids = np.array([[0.25, 0.5, 0.5], [0.75, 0.5, 0.5]])

@@ -108,6 +108,7 @@ def test_the_line_says_all_of_it():
 
 def test_a_body_that_starts_at_rest_has_no_relative_change():
     assert line(changed(start_energy=0.0, energy=3.0e4)).endswith("energy 3e+04 J")
+    assert line(changed(driven=True)).endswith("energy 199 J")
     assert line(changed(start_energy=1e-9, energy=3.0e4)).endswith("energy 3e+04 J")
     nothing = changed(start_energy=math.nan, energy=math.nan, steps_per_second=math.nan)
     assert line(nothing).endswith("dt 0.0005 s")

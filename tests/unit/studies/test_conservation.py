@@ -5,15 +5,23 @@ from __future__ import annotations
 import dataclasses
 import json
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pandas as pd
 import pytest
 
+from sphsolid.errors import Diverged
 from sphsolid.scenes import l_shaped_block
 from studies.conservation import study as conservation
-from studies.conservation.measures import DEFAULTS, INTEGRATORS
+from studies.conservation.measures import (
+    DEFAULTS,
+    INTEGRATORS,
+    MADE_BY_TIME,
+    left_over,
+    outcome,
+)
 from studies.conservation.runs import CFLS, CUBE, ELEMENTS, PAPER, block_cases, cube_cases, tiny
 from studies.conservation.verdicts import (
     pressure_verdicts,
@@ -150,6 +158,16 @@ def test_orders_of_the_rest() -> None:
     assert said(runs(), only)["cube: the rest falls as dt^2 or faster"][0] == "met"
 
 
+def test_an_order_of_the_ledger_is_fitted_to_every_run() -> None:
+    cube = cubes(
+        {"cfl": 0.8, "rest": 1.0, "left_over": 0.25}, {"cfl": 0.4, "rest": 1.0, "left_over": 1.0},
+        {"cfl": 0.2, "rest": 0.25, "left_over": 1.0},
+    )  # fmt: skip
+    orders = rest_orders(cube).iloc[0]
+    assert orders["order"] == pytest.approx(1.0)
+    assert orders["order_left_over"] == pytest.approx(-1.0)
+
+
 @pytest.mark.parametrize(("rest", "word"), [(9e-7, "met"), (2e-6, "not met")])
 def test_the_ledger_is_judged_at_the_finest_kept_run(rest: float, word: str) -> None:
     cube = cubes(
@@ -218,3 +236,30 @@ def test_a_tiny_study_runs_from_command_line_to_report(tmp_path: Path) -> None:
     assert words["linear momentum is zero to round-off"] == "reproduced"
     # The half-second run has not reached the end of the tractions: it has shown nothing.
     assert words["angular momentum is constant without loads"] == "in part"
+
+
+# ------------------------------------------------------------------ the measures themselves
+ENDED = SimpleNamespace(step=3, snapshot=lambda: SimpleNamespace(X=np.zeros((4, 3))))
+
+
+def test_what_is_left_over_has_the_work_of_the_projection_in_it() -> None:
+    table = pd.DataFrame(
+        {"energy_rest [J]": [0.0, 3.0, -2.0], "work_projection [J]": [0.0, -2.5, 2.0]}
+    )
+    assert left_over(table) == pytest.approx([0.0, 0.5, 0.0])
+
+
+@pytest.mark.parametrize(
+    ("rest", "expected"),
+    [(0.0, "kept"), (0.9, "kept"), (-0.9, "kept"), (1.1, "energy made"), (-1.1, "ledger open")],
+)
+def test_a_run_that_misses_energy_has_not_kept_it(rest: float, expected: str) -> None:
+    row = outcome(ENDED, None, rest * MADE_BY_TIME, 0.0)
+    assert row["outcome"] == expected
+    assert row["survived"]
+
+
+def test_a_lost_run_is_lost_whatever_its_ledger_says() -> None:
+    failure = Diverged("negative Jacobian", 0.25, 17, 3, (0.0, 1.0, 2.0), "less")
+    row = outcome(ENDED, failure, -1.0, 0.0)
+    assert (row["outcome"], row["survived"], row["lost_at"]) == ("lost", False, 0.25)

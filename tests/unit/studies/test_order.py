@@ -67,6 +67,19 @@ def test_table_has_a_row_per_family_in_order_of_appearance():
     np.testing.assert_allclose(orders["error_finest"], [0.0625**2, 0.0625, 0.0625**3])
 
 
+@pytest.mark.parametrize(
+    "errors", [(1.0, 1.0, 0.25), (1.0, 0.2, 0.15, 0.01), (0.5, 0.4, 0.1, 0.09)]
+)
+def test_a_fitted_order_in_a_table_uses_every_level(errors):
+    h = 0.25 / 2.0 ** np.arange(len(errors))
+    table = pd.DataFrame({"method": "a", "h": h, "error": errors})
+    orders = order_table(table, by=["method"]).iloc[0]
+    slope = np.polyfit(np.log(h), np.log(errors), 1)[0]
+    assert orders["order_fitted"] == pytest.approx(slope)
+    assert orders["order_last"] == pytest.approx(np.log2(errors[-2] / errors[-1]))
+    assert abs(orders["order_fitted"] - orders["order_last"]) > 0.3
+
+
 def test_table_gives_no_order_where_a_level_is_missing():
     table = _table()
     one_level = table[(table["method"] != "b") | (table["h"] == 0.25)].copy()

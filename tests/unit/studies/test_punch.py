@@ -182,7 +182,8 @@ def test_the_default_row_is_what_the_package_does_by_itself() -> None:
     assert sims[1].integrator == bare.integrator
     assert sims[2].integrator == sph.TVDRK2()
     stated = METHODS[TOOLKIT]
-    assert (stated.tau_F, stated.xi_F, stated.tau_p) == (
+    assert stated.tau_unit == "h/c_p"
+    assert (sph.OfMesh(stated.tau_F), stated.xi_F, sph.OfStep(stated.tau_p)) == (
         bare.stabilisation.tau_F, bare.stabilisation.xi_F, bare.stabilisation.tau_p,
     )  # fmt: skip
 

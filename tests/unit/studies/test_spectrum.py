@@ -13,8 +13,9 @@ from sphsolid.geometry.body import Box
 from sphsolid.scenes.scene import Scene, Traction
 from studies.harness.cases import execute
 from studies.report.plotting import style
+from studies.stability.rates_by_step import times_at
 from studies.stability.spectrum import Linearisation
-from studies.stability.spectrum_cases import BODIES, TIMES, contraction, large, simulation
+from studies.stability.spectrum_cases import BODIES, contraction, large, simulation
 from studies.stability.spectrum_growth import decades, largest_modulus, limits
 from studies.stability.spectrum_modes import lattice_places, name_of_wave, shape
 from studies.stability.spectrum_report import spectrum_sections
@@ -37,14 +38,11 @@ PLAIN = DEFAULT | {
 
 
 def built(body, cells, **options):
-    """The simulation and what its intrinsic times do."""
-    options = PLAIN | options
-    unit = TIMES[options.pop("tau_unit")]
-    return simulation(body=body, cells=cells, **options), unit
+    return simulation(body=body, cells=cells, **(PLAIN | options))
 
 
 def linearised(side=3, body="free", **changes):
-    return Linearisation(*built(body, (side - 1,) * 3, **changes))
+    return Linearisation(built(body, (side - 1,) * 3, **changes))
 
 
 #: With ``tau_p`` the rates are of the second degree in the step.
@@ -114,10 +112,12 @@ def agrees(linear, found, y, cfl, tolerance=2e-7):
 
 def one_step(linear, y, cfl, size=1.0e-5):
     """The derivative of the real stepper along ``y``."""
+    step = cfl * linear.unit_time
+    linear.rhs.times = times_at(linear.simulation, step)
     ends = []
     for sign in (1.0, -1.0):
         disturb(linear, sign * size * y)
-        linear.simulation._stepper.advance(cfl * linear.unit_time, 0.0)
+        linear.simulation._stepper.advance(step, 0.0)
         ends.append(observed(linear))
     return (ends[0] - ends[1]) / (2.0 * size)
 
@@ -253,7 +253,7 @@ def test_limits_of_the_defaults_are_those_of_the_chosen_times():
 )
 def test_plane_waves_see_the_interior_of_a_block(side, changes):
     linear = linearised(side, **changes)
-    symbol = Symbol(linear.simulation, linear.times)
+    symbol = Symbol(linear.simulation)
     k, cfl, a = np.array([[0.7, -1.9, 2.4]]), 0.3, symbol.inner
     state, geometry = symbol.generators(k, cfl)
     rng = np.random.default_rng(3)
@@ -271,7 +271,7 @@ def test_plane_waves_see_the_interior_of_a_block(side, changes):
 
 
 def test_long_plane_waves_travel_at_the_speeds_of_the_solid():
-    symbol = Symbol(*built("interior", (8, 8, 8)))
+    symbol = Symbol(built("interior", (8, 8, 8)))
     k = np.array([[0.02, 0.0, 0.0]])
     speed = np.sort(np.abs(np.angle(symbol.eigenvalues(k, 0.1)[0]))) / 0.1 / 0.02
     m = material()
@@ -308,7 +308,7 @@ def test_a_run_grows_as_the_spectrum_says():
     ],
 )
 def test_planted_patterns_are_recognised(axes, name, jitter):
-    sim, _ = built("free", (6, 5, 4), h_over_dx=0.9, jitter=jitter)
+    sim = built("free", (6, 5, 4), h_over_dx=0.9, jitter=jitter)
     place = lattice_places(sim)
     sign = 1.0 - 2.0 * ((place @ np.array(axes)) % 2)
     envelope = 1.0 + 0.1 * place[:, 0] - 0.15 * place[:, 2]
@@ -320,7 +320,7 @@ def test_planted_patterns_are_recognised(axes, name, jitter):
 
 
 def test_corners_surfaces_and_unseen_modes_are_recognised():
-    sim, _ = built("free", (6, 6, 6))
+    sim = built("free", (6, 6, 6))
     place, nothing = lattice_places(sim), np.zeros(sim.cloud.size)
     outer = np.count_nonzero((place == 0) | (place == 6), axis=1)
     random = np.random.default_rng(0).standard_normal((sim.cloud.size, 3))
@@ -358,9 +358,9 @@ def test_limits_are_found():
 
 def test_what_cannot_be_linearised_is_refused():
     with pytest.raises(InputError, match="no interior with one stencil"):
-        Symbol(*built("interior", (5, 5, 5)))
+        Symbol(built("interior", (5, 5, 5)))
     with pytest.raises(InputError, match="need a lattice at rest"):
-        Symbol(*built("interior", (5, 5, 5), jitter=0.2, h_over_dx=0.9))
+        Symbol(built("interior", (5, 5, 5), jitter=0.2, h_over_dx=0.9))
     scene = Scene(
         name="moving", body=Box(), material=material(), end_time=1.0,
         initial_velocity=lambda X: np.ones_like(X),
