@@ -1,8 +1,8 @@
 """The Q1-P0 mean-dilatation (B-bar) hexahedron at finite strain ([Hughes1980], [Simo1985]).
 
 A displacement-only trilinear hexahedron locks when ``kappa >> mu``: its eight Gauss points ask
-for eight volume constraints, more than its nodes can give.  Here the volumetric energy
-``U(J) = kappa/2 (J - 1)^2`` sees only the element mean of the Jacobian,
+for eight volume constraints, more than its nodes can give.  Here the volumetric energy ``U(J)`` of
+the law (``sphsolid.continuum.volumetric``) sees only the element mean of the Jacobian,
 
     Jbar = (1/V_e) sum_g w_g J_g = v_e / V_e,
     Pi_e = sum_g w_g [W(F_g, cof F_g, J_g) - U(J_g)] + V_e U(Jbar),
@@ -10,9 +10,9 @@ for eight volume constraints, more than its nodes can give.  Here the volumetric
 and the isochoric rest of ``W`` is integrated at 2x2x2 points.  The internal force is the exact
 gradient, because ``d(V_e Jbar)/dx_a = sum_g w_g cof F_g dN_a/dX``:
 
-    f_a = sum_g w_g { P(F_g) + kappa (Jbar - J_g) cof F_g } dN_a/dX(g).
+    f_a = sum_g w_g { P(F_g) + (U'(Jbar) - U'(J_g)) cof F_g } dN_a/dX(g).
 
-Every law of ``sphsolid.continuum`` has this ``U``.
+Of ``U(J) = kappa/2 (J - 1)^2`` the bracket holds ``kappa (Jbar - J_g)``.
 """
 
 from __future__ import annotations
@@ -31,6 +31,7 @@ from fem_reference.hex_maps import hex_maps
 from fem_reference.hex_quadrature import hex_quadrature
 from fem_reference.lanes import LANES, blocks, one_by_one, side_by_side
 from fem_reference.load_shapes import trilinear_shapes
+from sphsolid.continuum import law
 from sphsolid.geometry.mesh import HexMesh
 
 Array = NDArray[np.float64]
@@ -65,7 +66,7 @@ class BBarHexElements:
         self.load_shapes = trilinear_shapes(sk)
         self.quadrature = quadrature = hex_quadrature(mesh, sk)
         X = mesh.vertices
-        self.material = material
+        self.material = law.in_kernels(material)
         self._maps = hex_maps(quadrature.edges, np.full(8, 0.125), X)
         self._corners = side_by_side(quadrature.cells)
         self._incidence = NodeIncidence.of(quadrature.cells, len(X))
@@ -114,9 +115,10 @@ class BBarHexElements:
         self._incidence.gather(self._element_force, force)
 
     def smallest_length(self) -> float:
-        """``min_e length_e lambda_e / max(1, Jbar_e)`` [m] at the last force.
+        """``min_e length_e lambda_e / max(1, s_e Jbar_e)`` [m] at the last force.
 
-        ``lambda_e`` is the smallest principal stretch at the Gauss points of element ``e``.
+        ``lambda_e`` is the smallest principal stretch at the Gauss points of element ``e``,
+        ``s_e`` how much stiffer its volume is than at rest (``law.stiffening``).
         """
         shrinkage = one_by_one(self._shrinkage, self.quadrature.elements)
         return float(np.min(self.quadrature.length * shrinkage))
@@ -139,7 +141,7 @@ class BBarHexElements:
         return float(np.sum(one_by_one(energies, self.quadrature.elements)))
 
     def stress(self, x: Array) -> CentroidStress:
-        """``F_c``, ``J = Jbar`` and ``P = P(F_c) + kappa (Jbar - J_c) cof F_c``.
+        """``F_c``, ``J = Jbar`` and ``P = P(F_c) + (U'(Jbar) - U'(J_c)) cof F_c``.
 
         The centroid is the point where the gradient of a trilinear field converges with second
         order (superconvergence); the pressure is the element's own.

@@ -24,7 +24,8 @@ _MEAN = _FORCES + 3 * ROWS
 _VOLUME = _MEAN + 1
 _LEAST = _MEAN + 2
 _THICKNESS = _MEAN + 3
-_THINNEST = _MEAN + 4
+_PRESSURE = _MEAN + 4
+_THINNEST = _MEAN + 5
 _REFERENCE = _THINNEST + 9
 _SCRATCH = _REFERENCE + 3 * ROWS
 
@@ -73,7 +74,8 @@ def _add_stress(material, maps, g, w):  # type: ignore[no-untyped-def]
         F = pushed(maps, pick_point(w, g, _DERIVATIVES, lane), A)
         H = cofactor(F)
         J = determinant(F)
-        P = axpy(material.kappa * (w[_MEAN, lane] - J), H, law.first_piola(material, F, H, J))
+        excess = w[_PRESSURE, lane] - law.volumetric_pressure(material, J)
+        P = axpy(excess, H, law.first_piola(material, F, H, J))
         add_point(pulled(maps, share, P, A), w, g, _FORCES, lane)
         # nan must stay: a plain minimum would forget it.
         least = w[_LEAST, lane]
@@ -92,6 +94,8 @@ def _stresses(material, maps, w):  # type: ignore[no-untyped-def]
     """Sums over the Gauss points of a block."""
     fill(w, _FORCES, 3 * ROWS, 0.0)
     fill(w, _LEAST, 2, np.inf)
+    for lane in range(LANES):
+        w[_PRESSURE, lane] = law.volumetric_pressure(material, w[_MEAN, lane])
     _add_stress(material, maps, 0, w)
     _add_stress(material, maps, 1, w)
     _add_stress(material, maps, 2, w)
@@ -108,7 +112,8 @@ def element_forces(  # type: ignore[no-untyped-def]
 ):
     """Corner forces ``force (B, 24, LANES)`` [N], ``smallest_J`` and ``shrinkage (B, LANES)``.
 
-    ``shrinkage`` is ``lambda / max(1, Jbar)``, ``lambda`` the smallest principal stretch.
+    ``shrinkage`` is ``lambda / max(1, s Jbar)``, ``lambda`` the smallest principal stretch and
+    ``s = sqrt(max(1, U''(Jbar) / kappa))``.
     """
     for b in prange(nodes.shape[0]):
         w = np.empty((_SCRATCH, LANES))
@@ -120,9 +125,10 @@ def element_forces(  # type: ignore[no-untyped-def]
                 force[b, row, lane] = w[_CORNERS + row, lane]
         for lane in range(LANES):
             smallest_J[b, lane] = w[_LEAST, lane]
-            # The volumetric part of the acoustic tensor is kappa |cof F N|^2 <= kappa (J/lambda)^2:
+            # The volumetric part of the acoustic tensor is U'' |cof F N|^2 <= U'' (J/lambda)^2:
             # a body pulled to J > 1 carries faster waves than lambda alone says.
-            expansion = max(1.0, w[_MEAN, lane])
+            Jbar = w[_MEAN, lane]
+            expansion = max(1.0, Jbar * law.stiffening(material, Jbar))
             shrinkage[b, lane] = smallest_stretch(pick(w, _THINNEST, lane)) / expansion
 
 
@@ -139,9 +145,8 @@ def element_energies(material, x, nodes, maps, energies):  # type: ignore[no-unt
                 F = pushed(maps, pick_point(w, g, _DERIVATIVES, lane), A)
                 J = determinant(F)
                 W = law.stored_energy(material, F, cofactor(F), J)
-                # U(Jbar) - U(J) as a product: no digits are lost where both are close to one.
-                Jbar = w[_MEAN, lane]
-                swap = 0.5 * material.kappa * (Jbar - J) * (Jbar + J - 2.0)
+                U = law.volumetric_energy(material, w[_MEAN, lane])
+                swap = U - law.volumetric_energy(material, J)
                 total += volume(maps, maps.weights[g], A) * (W + swap)
             energies[b, lane] = total
 

@@ -1,9 +1,10 @@
 """The continuous dilatation of the Taylor-Hood element, from its moments at the corners.
 
 With ``N_a`` the trilinear shapes of the corners, ``r_a = integral N_a (J - 1) dV`` and a symmetric
-positive matrix ``A`` the volumetric energy is ``kappa/2 r . A r``; ``theta - 1 = A r`` are the
-dilatations at the corners, and ``kappa (theta - 1)``, interpolated, is the pressure that makes the
-force the exact gradient, whatever ``A`` is:
+positive matrix ``A`` the volumetric energy ``U = kappa/2 (J - 1)^2`` is ``kappa/2 r . A r``;
+``theta - 1 = A r`` are the dilatations at the corners, and ``U'(theta)``, interpolated, is the
+pressure that makes the force the exact gradient, whatever ``A`` is (``taylor_hood_hex`` has any
+other ``U``):
 
 * ``ConsistentMass``: ``A = M^-1``, the L2 projection of ``J`` onto continuous Q1.  On a box of
   equal bricks ``M`` is a product of three tridiagonal matrices and is solved line by line; on any

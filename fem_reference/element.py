@@ -28,10 +28,14 @@ class CentroidStress:
 
 
 def mixed_stress(material: Any, F: Array, J: Array) -> CentroidStress:
-    """``P(F) + kappa (J - det F) cof F``: the law with the Jacobian ``J`` of a mixed method."""
+    """``P(F) + (U'(J) - U'(det F)) cof F``: the law with the Jacobian ``J`` of a mixed method.
+
+    The mean of the Cauchy stress ``P F^T / det F`` is ``U'(J)`` where the law splits.
+    """
     entries = split(F)
     H, J_F = cofactor(entries), determinant(entries)
-    P = axpy(material.kappa * (J - J_F), H, law.first_piola(material, entries, H, J_F))
+    excess = law.volumetric_pressure(material, J) - law.volumetric_pressure(material, J_F)
+    P = axpy(excess, H, law.first_piola(material, entries, H, J_F))
     return CentroidStress(F, J, np.ascontiguousarray(join(P)))
 
 

@@ -19,7 +19,7 @@ from fem_reference.loads import loads_of, nodal_force
 from fem_reference.mesh import scikit_fem_mesh
 from fem_reference.updates import divide_by_mass
 from sphsolid.compiled import threads
-from sphsolid.continuum import reference_p_wave_speed
+from sphsolid.continuum import check_law, reference_p_wave_speed
 from sphsolid.errors import Diverged, InputError, require
 from sphsolid.geometry.body import AS_MESHED, AsMeshed, Spacing
 from sphsolid.geometry.mesh import hexahedra
@@ -64,6 +64,7 @@ class Simulation:
             raise InputError(
                 f"element = {element!r} is no element technology; use BBarHex() or TaylorHoodHex()"
             )
+        check_law(scene.material)
         self.scene = scene
         self.element = element
         self.cfl = cfl
@@ -116,7 +117,8 @@ class Simulation:
         reference map (the edge of a cube), for ``TaylorHoodHex`` a measured share of the distance
         of its nodes.  ``lambda_e`` is the smallest principal stretch at its Gauss points now,
         ``Jbar_e`` its mean (largest) dilatation, ``c_p`` the p-wave speed of the undeformed solid:
-        waves in the reference body travel at most about ``c_p max(1, J) / lambda``.  The limit
+        waves in the reference body travel at most about ``c_p max(1, J) / lambda``.  A law whose
+        volume stiffens, ``U''(J) > kappa``, has ``J sqrt(U'' / kappa)`` for ``J``.  The limit
         ``2 / omega_max`` of central differences lies between 0.85 (free, nearly incompressible
         B-bar cubes) and 3 (distorted elements) times this at ``cfl = 1``.  Raises ``Diverged``
         when the state is invalid.

@@ -1,19 +1,23 @@
 """The Taylor-Hood (Q2-Q1) hexahedron at finite strain, explicit, with lumped mass ([Hood1973]).
 
 Twenty-seven nodes, 3x3x3 Gauss points, and a pressure that is continuous and trilinear.  The
-volumetric energy ``U(J) = kappa/2 (J - 1)^2`` sees the continuous dilatation ``theta`` of
-:mod:`fem_reference.dilatation` in place of the Jacobian,
+volumetric energy ``U(J)`` of the law sees the continuous dilatation ``theta`` of
+:mod:`fem_reference.dilatation` in place of the Jacobian.  With ``kappa = U''(1)`` and the rest
+``R(theta) = U(theta) - kappa/2 (theta - 1)^2``,
 
     r_a = sum_g w_g N_a (J_g - 1),     theta - 1 = A r,
-    Pi  = sum_g w_g [W(F_g, cof F_g, J_g) - U(J_g)] + kappa/2 r . A r,
+    Pi  = sum_g w_g [W(F_g, cof F_g, J_g) - U(J_g) + R(theta_g)] + kappa/2 r . A r,
 
-and the internal force is the exact gradient: with ``theta`` interpolated to the points,
+and the internal force is the exact gradient: with the pressure ``p`` interpolated to the points,
 
-    f_n = sum_g w_g { P(F_g) + kappa (theta_g - J_g) cof F_g } dN_n/dX(g).
+    q_a = sum_g w_g N_a R'(theta_g),     p = kappa (theta - 1) + A q,
+    f_n = sum_g w_g { P(F_g) + (p_g - U'(J_g)) cof F_g } dN_n/dX(g).
+
+With the consistent ``A = M^-1`` that is ``Pi = integral W_iso + U(theta)`` and ``p`` the L2
+projection of ``U'(theta)``.  Of ``U = kappa/2 (J - 1)^2`` there is no rest and no second solve.
 
 The mass of a node is its Simpson weight times ``rho0 det dX/dxi`` there: positive, and exact for
-cubic fields on bricks, so that lumping does not cost the order.  Every law of
-``sphsolid.continuum`` has this ``U``.
+cubic fields on bricks, so that lumping does not cost the order.
 
 With the space so accurate it is central differences that limit the order: errors fall with the
 third power of the spacing at a short step, with the second at the usual one.
@@ -50,8 +54,11 @@ from fem_reference.taylor_hood_kernels import (
     dilatation_moments,
     element_forces,
     isochoric_energies,
+    remainder_energies,
+    remainder_moments,
 )
 from fem_reference.triquadratic import WEIGHTS
+from sphsolid.continuum import law
 from sphsolid.geometry.mesh import HexMesh
 
 Array = NDArray[np.float64]
@@ -94,7 +101,8 @@ class TaylorHoodElements:
     def __init__(self, mesh: HexMesh, sk: MeshHex, material: Any, dilatation: Dilatation) -> None:
         quadratic = quadratic_mesh(mesh, sk)
         self.mesh = quadratic.parts
-        self.material = material
+        self.material = material = law.in_kernels(material)
+        self._kappa = float(law.volumetric_stiffness(material, 1.0))
         self.load_shapes = LoadShapes(ElementHex2(), GAUSS_3, quadratic.node_of_dof)
         X, self._cells = self.mesh.vertices, quadratic.cells
         self._nodal_volumes = simpson_volumes(mesh, self._cells, len(X))
@@ -116,6 +124,7 @@ class TaylorHoodElements:
         count = blocks(len(self._cells))
         self._excess = np.empty((count, 8, LANES))
         self._moments = np.empty(len(mesh.vertices))
+        self._rest = np.empty(0 if law.is_quadratic(material) else len(mesh.vertices))
         self._element_force = np.empty((count, 81, LANES))
         self._smallest_jacobian = np.ones((count, LANES))
         self._shrinkage = np.ones((count, LANES))
@@ -152,12 +161,25 @@ class TaylorHoodElements:
         self._at_corners.gather_scalars(self._excess, self._moments)
         return self._solve(self._moments)
 
+    def _pressure(self, theta: Array) -> Array:
+        """``p (Nc,)`` [Pa] of ``theta - 1 (Nc,)``, positive in tension."""
+        linear = self._kappa * theta
+        if law.is_quadratic(self.material):
+            return linear
+        remainder_moments(
+            self.material, theta, self._node_lanes, self._corner_lanes, self._maps, self._excess
+        )
+        self._at_corners.gather_scalars(self._excess, self._rest)
+        return np.asarray(linear + self._solve(self._rest))
+
     def internal_force(self, x: Array, force: Array) -> None:
         """``force (N, 3)`` [N] ``= dPi/dx`` at positions ``x (N, 3)`` [m]."""
+        theta = self.dilatation(x)
         element_forces(
             self.material,
             x,
-            self.dilatation(x),
+            theta,
+            self._pressure(theta),
             self._node_lanes,
             self._corner_lanes,
             self._maps,
@@ -168,10 +190,11 @@ class TaylorHoodElements:
         self._at_nodes.gather(self._element_force, force)
 
     def smallest_length(self) -> float:
-        """``min_e share length_e lambda_e / max(1, theta_e)`` [m] at the last force.
+        """``min_e share length_e lambda_e / max(1, s_e theta_e)`` [m] at the last force.
 
         ``length_e`` is the smallest stretch of the reference maps of the eighths of element ``e``,
-        ``share`` that of :func:`~fem_reference.quadratic_tables.step_share`.
+        ``share`` that of :func:`~fem_reference.quadratic_tables.step_share`, ``s_e`` how much
+        stiffer the volume is than at rest (``law.stiffening``).
         """
         return float(np.min(self._length * one_by_one(self._shrinkage, self.count)))
 
@@ -191,11 +214,17 @@ class TaylorHoodElements:
         energies = np.empty_like(self._shrinkage)
         isochoric_energies(self.material, x, self._node_lanes, self._maps, energies)
         theta = self.dilatation(x)
-        volumetric = 0.5 * self.material.kappa * float(np.sum(self._moments * theta))
-        return float(np.sum(one_by_one(energies, self.count))) + volumetric
+        total = float(np.sum(one_by_one(energies, self.count)))
+        total += 0.5 * self._kappa * float(np.sum(self._moments * theta))
+        if not law.is_quadratic(self.material):
+            remainder_energies(
+                self.material, theta, self._node_lanes, self._corner_lanes, self._maps, energies
+            )
+            total += float(np.sum(one_by_one(energies, self.count)))
+        return total
 
     def stress(self, x: Array) -> CentroidStress:
-        """At the centres of the eighths: ``F``, ``J = theta``, ``P + kappa (theta - J) cof F``.
+        """At the centres of the eighths: ``F``, ``J = theta``, ``P + (U'(theta) - U'(J)) cof F``.
 
         They lie close to the 2x2x2 Gauss points, where gradients of quadratic shapes are best.
         """

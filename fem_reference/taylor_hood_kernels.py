@@ -66,25 +66,39 @@ def _replace(A, w, first, g, lane):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def _strains(x, nodes, maps, b, w):  # type: ignore[no-untyped-def]
-    """Fill the derivatives of a block at the Gauss points."""
+def _reference(nodes, maps, b, w):  # type: ignore[no-untyped-def]
+    """Fill the derivatives of the reference map of a block, where its elements are no bricks."""
     if are_distorted(maps):
         gather_nodes(maps.X, nodes[b], w[_NODES:])
         derivatives(maps.along, w, _NODES, _REFERENCE, _OWN)
+
+
+@inlined
+def _strains(x, nodes, maps, b, w):  # type: ignore[no-untyped-def]
+    """Fill the derivatives of a block at the Gauss points."""
+    _reference(nodes, maps, b, w)
     gather_nodes(x, nodes[b], w[_NODES:])
     derivatives(maps.along, w, _NODES, _POINTS, _OWN)
 
 
 @inlined
-def _dilatation(theta, corners, b, w):  # type: ignore[no-untyped-def]
-    """``theta - 1`` at the Gauss points of a block, and its largest value at a corner."""
-    fill(w, _LARGEST, 1, 0.0)
+def _at_points(field, corners, b, w):  # type: ignore[no-untyped-def]
+    """A field ``(Nc,)`` of the corners at the Gauss points of a block."""
     for c in range(8):
         for lane in range(LANES):
-            value = theta[corners[b, c, lane]]
-            w[_CORNERS + c, lane] = value
-            w[_LARGEST, lane] = max(w[_LARGEST, lane], value)
+            w[_CORNERS + c, lane] = field[corners[b, c, lane]]
     interpolate_corners(w, _CORNERS, _THETA, _OWN)
+
+
+@inlined
+def _expansion(material, theta, corners, b, w):  # type: ignore[no-untyped-def]
+    """The largest ``s theta`` of a corner and 1; ``s`` of ``law.stiffening``."""
+    fill(w, _LARGEST, 1, 1.0)
+    for c in range(8):
+        for lane in range(LANES):
+            value = 1.0 + theta[corners[b, c, lane]]
+            expansion = value * law.stiffening(material, value)
+            w[_LARGEST, lane] = max(w[_LARGEST, lane], expansion)
 
 
 @kernel
@@ -107,17 +121,19 @@ def dilatation_moments(x, nodes, maps, excess):  # type: ignore[no-untyped-def]
 
 @kernel
 def element_forces(  # type: ignore[no-untyped-def]
-    material, x, theta, nodes, corners, maps, smallest_J, shrinkage, force
+    material, x, theta, pressure, nodes, corners, maps, smallest_J, shrinkage, force
 ):
-    """Node forces ``force (B, 81, LANES)`` [N], row ``3 n + i``; ``theta - 1 (Nc,)``.
+    """Node forces ``force (B, 81, LANES)`` [N], row ``3 n + i``.
 
-    ``smallest_J (B, LANES)``; ``shrinkage (B, LANES)`` is ``lambda / max(1, theta)``, ``lambda``
-    the smallest principal stretch.
+    ``theta - 1 (Nc,)`` and ``pressure (Nc,)`` [Pa] at the corners.  ``smallest_J (B, LANES)``;
+    ``shrinkage (B, LANES)`` is ``lambda / max(1, s theta)``, ``lambda`` the smallest principal
+    stretch and ``s = sqrt(max(1, U''(theta) / kappa))``.
     """
     for b in prange(nodes.shape[0]):
         w = np.empty((_SCRATCH if are_distorted(maps) else _BRICK_SCRATCH, LANES))
         _strains(x, nodes, maps, b, w)
-        _dilatation(theta, corners, b, w)
+        _at_points(pressure, corners, b, w)
+        _expansion(material, theta, corners, b, w)
         fill(w, _LEAST, 2, np.inf)
         for g in range(27):
             share = maps.weights[g]
@@ -126,7 +142,7 @@ def element_forces(  # type: ignore[no-untyped-def]
                 F = pushed(maps, _at(w, _POINTS, g, lane), A)
                 H = cofactor(F)
                 J = determinant(F)
-                excess = material.kappa * (w[_THETA + g, lane] - (J - 1.0))
+                excess = w[_THETA + g, lane] - law.volumetric_pressure(material, J)
                 P = axpy(excess, H, law.first_piola(material, F, H, J))
                 _replace(pulled(maps, share, P, A), w, _POINTS, g, lane)
                 # nan must stay: a plain minimum would forget it.
@@ -145,7 +161,7 @@ def element_forces(  # type: ignore[no-untyped-def]
         for lane in range(LANES):
             smallest_J[b, lane] = w[_LEAST, lane]
             stretch = smallest_stretch(pick(w, _THINNEST, lane))
-            shrinkage[b, lane] = stretch / (1.0 + w[_LARGEST, lane])
+            shrinkage[b, lane] = stretch / w[_LARGEST, lane]
 
 
 @kernel
@@ -161,6 +177,45 @@ def isochoric_energies(material, x, nodes, maps, energies):  # type: ignore[no-u
                 F = pushed(maps, _at(w, _POINTS, g, lane), A)
                 J = determinant(F)
                 W = law.stored_energy(material, F, cofactor(F), J)
-                swap = 0.5 * material.kappa * (J - 1.0) * (J - 1.0)
+                swap = law.volumetric_energy(material, J)
                 total += volume(maps, maps.weights[g], A) * (W - swap)
+            energies[b, lane] = total
+
+
+@kernel
+def remainder_moments(material, theta, nodes, corners, maps, moments):  # type: ignore[no-untyped-def]
+    """``integral N_a R'(theta) dV (B, 8, LANES)`` [N m], ``R' = U'(theta) - kappa (theta - 1)``."""
+    kappa = law.volumetric_stiffness(material, 1.0)
+    for b in prange(nodes.shape[0]):
+        w = np.empty((_SCRATCH if are_distorted(maps) else _BRICK_SCRATCH, LANES))
+        _reference(nodes, maps, b, w)
+        _at_points(theta, corners, b, w)
+        for g in range(27):
+            share = maps.weights[g]
+            for lane in range(LANES):
+                A = _at(w, _REFERENCE, g, lane)
+                e = w[_THETA + g, lane]
+                rest = law.volumetric_pressure(material, 1.0 + e) - kappa * e
+                w[_THETA + g, lane] = volume(maps, share, A) * rest
+        corner_moments(w, _THETA, _CORNERS, _OWN)
+        for c in range(8):
+            for lane in range(LANES):
+                moments[b, c, lane] = w[_CORNERS + c, lane]
+
+
+@kernel
+def remainder_energies(material, theta, nodes, corners, maps, energies):  # type: ignore[no-untyped-def]
+    """``integral R(theta) dV (B, LANES)`` [J], ``R = U(theta) - kappa/2 (theta - 1)^2``."""
+    kappa = law.volumetric_stiffness(material, 1.0)
+    for b in prange(nodes.shape[0]):
+        w = np.empty((_SCRATCH if are_distorted(maps) else _BRICK_SCRATCH, LANES))
+        _reference(nodes, maps, b, w)
+        _at_points(theta, corners, b, w)
+        for lane in range(LANES):
+            total = 0.0
+            for g in range(27):
+                A = _at(w, _REFERENCE, g, lane)
+                e = w[_THETA + g, lane]
+                rest = law.volumetric_energy(material, 1.0 + e) - 0.5 * kappa * e * e
+                total += volume(maps, maps.weights[g], A) * rest
             energies[b, lane] = total

@@ -12,7 +12,7 @@ from sphsolid.cloud import (
     SummationByParts,
     WendlandC2,
 )
-from sphsolid.continuum import MooneyRivlin, NeoHookean
+from sphsolid.continuum import MooneyRivlin, NeoHookean, check_law
 from sphsolid.errors import Diverged, InputError
 from sphsolid.geometry import MeshFile, PointCloud
 from sphsolid.recommendation import recommend
@@ -85,5 +85,6 @@ __all__ = [
     "T1",
     "WendlandC2",
     "__version__",
+    "check_law",
     "recommend",
 ]

@@ -15,7 +15,7 @@ from sphsolid.cloud.cloud import build_cloud, build_secondary, consistency_repor
 from sphsolid.cloud.operator import Consistent, Literal, OperatorKind, SummationByParts
 from sphsolid.cloud.secondary import default_secondary
 from sphsolid.cloud.smoothing import SmoothingFunction, WendlandC2
-from sphsolid.continuum import law
+from sphsolid.continuum import check_law, law
 from sphsolid.continuum.tensor import cofactor, determinant, join, split
 from sphsolid.continuum.wave_speed import reference_p_wave_speed
 from sphsolid.defaults import (
@@ -100,6 +100,7 @@ class Simulation:
         #: Options that were left to ``sphsolid.defaults``.
         self.by_default = tuple(name for name, value in given.items() if value is None)
         self.scene = scene
+        check_law(scene.material)
         _known("integrator", integrator, TVDRK2, SSPRK3, PositionVerlet)
         self.integrator: Integrator = default_integrator() if integrator is None else integrator
         self.advice = recommend(scene)
@@ -228,12 +229,20 @@ class Simulation:
         return self._state
 
     def stable_time_step(self) -> float:
-        """Largest step allowed now [s]; raises ``Diverged`` when the state is invalid."""
-        self._allowed = self._time_step.stable(
-            self.formulation.evolves_J, self._state, self.cloud.X, self.time, self.step,
-            self._rhs.scratch,
-        )  # fmt: skip
-        return self._allowed
+        """Largest step allowed now [s]; raises ``Diverged`` when the state is invalid.
+
+        Where the volume of the law stiffens with compression (``law.stiffening``), the step is
+        that much shorter.
+        """
+        s, material = self._state, self.scene.material
+        allowed = self._time_step.stable(
+            self.formulation.evolves_J, s, self.cloud.X, self.time, self.step, self._rhs.scratch
+        )
+        if not law.is_quadratic(material):
+            J = s.J if self.formulation.evolves_J else determinant(split(s.F))
+            allowed /= float(np.max(law.stiffening(material, J)))
+        self._allowed = allowed
+        return allowed
 
     def advance(self, dt: float) -> None:
         """One step of ``dt`` [s]; intrinsic times of the step are shares of the stable one."""

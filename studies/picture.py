@@ -2,7 +2,7 @@
 
 ``python -m studies.picture`` runs the column at nu = 0.495 with 8 cells across (9x49x9 particles)
 and writes ``docs/twisting_column.png``; its frames stay in ``out/picture``, and ``--redraw`` uses
-them again.  Colour: pressure ``kappa (J - 1)``, positive in tension; half a per cent of the
+them again.  Colour: pressure ``U'(J)``, positive in tension; half a per cent of the
 values is beyond the ends of the bar.
 """
 

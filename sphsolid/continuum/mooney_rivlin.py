@@ -6,8 +6,12 @@ import math
 from typing import Any, NamedTuple
 
 from sphsolid.continuum.inverse_root import inverse_two_thirds
-from sphsolid.continuum.law import register_law
+from sphsolid.continuum.law_registry import register_law
 from sphsolid.continuum.moduli import bulk_modulus, check_elastic, shear_modulus
+from sphsolid.continuum.quadratic_volume import QUADRATIC
+from sphsolid.continuum.quadratic_volume import energy as U
+from sphsolid.continuum.quadratic_volume import pressure as dU
+from sphsolid.continuum.quadratic_volume import stiffness as ddU
 from sphsolid.continuum.tensor import Tensor, add, axpy, contract, cross, scale
 from sphsolid.errors import require
 
@@ -60,7 +64,7 @@ def energy(m: MooneyRivlin, F: Tensor, H: Tensor, J: Any) -> Any:
     """Eq. (7)."""
     by_F = m.varsigma * inverse_two_thirds(J) * contract(F, F)
     by_H = m.xi * contract(H, H) ** 1.5 / (J * J)
-    return by_F + by_H + 0.5 * m.kappa * (J - 1.0) * (J - 1.0)
+    return by_F + by_H + U(m, J)
 
 
 def conjugate_stresses(m: MooneyRivlin, F: Tensor, H: Tensor, J: Any) -> tuple[Tensor, Tensor, Any]:
@@ -71,7 +75,7 @@ def conjugate_stresses(m: MooneyRivlin, F: Tensor, H: Tensor, J: Any) -> tuple[T
     Sigma_J = (
         -a * contract(F, F) / (3.0 * J)
         - 2.0 * m.xi * root * root * root / (J * J * J)
-        + m.kappa * (J - 1.0)
+        + dU(m, J)
     )
     return scale(a, F), scale(b, H), Sigma_J
 
@@ -95,7 +99,7 @@ def hessian_action(
     W_JJ = (
         5.0 / 9.0 * a * contract(F, F) / (J * J)
         + 6.0 * m.xi * I2 * root / (J * J * J * J)
-        + m.kappa
+        + ddU(m, J)
     )
     dSigma_F = axpy(W_FJ * dJ, F, scale(a, dF))
     dSigma_H = axpy(b * contract(H, dH) / I2 + W_HJ * dJ, H, scale(b, dH))
@@ -109,4 +113,5 @@ register_law(
     conjugate_stresses=conjugate_stresses,
     first_piola=first_piola,
     hessian_action=hessian_action,
+    volumetric=QUADRATIC,
 )

@@ -5,8 +5,12 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 from sphsolid.continuum.inverse_root import inverse_two_thirds
-from sphsolid.continuum.law import register_law
+from sphsolid.continuum.law_registry import register_law
 from sphsolid.continuum.moduli import bulk_modulus, check_elastic, shear_modulus
+from sphsolid.continuum.quadratic_volume import QUADRATIC
+from sphsolid.continuum.quadratic_volume import energy as U
+from sphsolid.continuum.quadratic_volume import pressure as dU
+from sphsolid.continuum.quadratic_volume import stiffness as ddU
 from sphsolid.continuum.tensor import Tensor, axpy, contract, scale
 
 
@@ -43,20 +47,20 @@ class NeoHookean(NamedTuple):
 def energy(m: NeoHookean, F: Tensor, H: Tensor, J: Any) -> Any:
     """Eq. (7), ``xi = 0``."""
     deviatoric = 0.5 * m.mu * inverse_two_thirds(J) * contract(F, F)
-    return deviatoric + 0.5 * m.kappa * (J - 1.0) * (J - 1.0)
+    return deviatoric + U(m, J)
 
 
 def conjugate_stresses(m: NeoHookean, F: Tensor, H: Tensor, J: Any) -> tuple[Tensor, Tensor, Any]:
     """Eq. (8), ``xi = 0``."""
     c = m.mu * inverse_two_thirds(J)
-    Sigma_J = -c * contract(F, F) / (3.0 * J) + m.kappa * (J - 1.0)
+    Sigma_J = -c * contract(F, F) / (3.0 * J) + dU(m, J)
     return scale(c, F), scale(0.0, H), Sigma_J
 
 
 def first_piola(m: NeoHookean, F: Tensor, H: Tensor, J: Any) -> Tensor:
     """Eq. (9) with ``Sigma_H = 0``: the tensor cross product is never formed."""
     c = m.mu * inverse_two_thirds(J)
-    Sigma_J = -c * contract(F, F) / (3.0 * J) + m.kappa * (J - 1.0)
+    Sigma_J = -c * contract(F, F) / (3.0 * J) + dU(m, J)
     return axpy(Sigma_J, H, scale(c, F))
 
 
@@ -67,7 +71,7 @@ def hessian_action(
     c = m.mu * inverse_two_thirds(J)
     W_FJ = -2.0 / 3.0 * c / J
     dSigma_F = axpy(W_FJ * dJ, F, scale(c, dF))
-    W_JJ = 5.0 / 9.0 * c * contract(F, F) / (J * J) + m.kappa
+    W_JJ = 5.0 / 9.0 * c * contract(F, F) / (J * J) + ddU(m, J)
     dSigma_J = W_FJ * contract(F, dF) + W_JJ * dJ
     return dSigma_F, scale(0.0, dH), dSigma_J
 
@@ -78,4 +82,5 @@ register_law(
     conjugate_stresses=conjugate_stresses,
     first_piola=first_piola,
     hessian_action=hessian_action,
+    volumetric=QUADRATIC,
 )

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from sphsolid.continuum import law
 from sphsolid.errors import InputError
 from sphsolid.geometry.mesh import Mesh
 from sphsolid.record.balance import NOT_TRACKED, Balance, NotTracked
@@ -37,7 +38,8 @@ class Snapshot:
     method evaluates the law: the particles themselves, or the element centroids of a finite
     element method (its superconvergent points).  ``strain_energy`` [J], zero in the undeformed
     state, and ``kinetic_energy`` [J] are totals with the method's own quadrature;
-    ``volumetric_energy`` [J] is the part ``sum V kappa/2 (J - 1)^2`` of the strain energy.
+    ``volumetric_energy`` [J] is the part ``sum V U(J)`` of the strain energy, ``U`` the volumetric
+    energy of the law.
     ``balance`` says where energy and momentum went, when a recorder asked for it.
     """
 
@@ -79,31 +81,47 @@ class Snapshot:
 
     @property
     def volumetric_energy(self) -> float:
-        """``sum V kappa (J - 1)^2 / 2`` [J]."""
-        return float(0.5 * self.material.kappa * np.sum(self.stress_V * (self.J - 1.0) ** 2))
+        """``sum V U(J)`` [J], ``U`` the volumetric energy of the law."""
+        return float(np.sum(self.stress_V * law.volumetric_energy(self.material, self.J)))
 
     @property
     def pressure(self) -> Array:
-        """``kappa (J - 1) (M,)`` [Pa], positive in tension."""
-        return np.asarray(self.material.kappa * (self.J - 1.0))
+        """``U'(J) (M,)`` [Pa], **positive in tension**: the mean stress, not its negative.
+
+        ``U`` is the volumetric energy of the law; for ``kappa/2 (J - 1)^2`` this is
+        ``kappa (J - 1)``.  Of a law that splits it is ``tr(cauchy) / 3`` where ``J = det F``.
+        """
+        return np.asarray(law.volumetric_pressure(self.material, self.J))
+
+    @property
+    def cauchy(self) -> Array:
+        """Cauchy stress ``sigma = P F^T / det F (M, 3, 3)`` [Pa], positive in tension."""
+        return np.asarray(
+            self.P @ np.swapaxes(self.F, 1, 2) / np.linalg.det(self.F)[:, None, None]
+        )
 
     @property
     def von_mises(self) -> Array:
-        """``sqrt(3/2 s:s) (M,)`` [Pa], ``s`` the deviator of ``sigma = P F^T / det F``."""
-        sigma = self.P @ np.swapaxes(self.F, 1, 2) / np.linalg.det(self.F)[:, None, None]
+        """``sqrt(3/2 s:s) (M,)`` [Pa], ``s`` the deviator of the Cauchy stress."""
+        sigma = self.cauchy
         mean = np.trace(sigma, axis1=1, axis2=2) / 3.0
         s = sigma - mean[:, None, None] * np.eye(3)
         return np.sqrt(1.5 * np.einsum("nij,nij->n", s, s))
 
     def field(self, name: str) -> PointField:
-        """``p``, ``u``, ``v``, ``P``, ``F``, ``J``, ``pressure``, ``von_mises`` and its points."""
+        """A field and its points; raises ``InputError`` for a name that is none of these.
+
+        ``p``, ``u``, ``v`` at the primary points; ``P``, ``cauchy``, ``F``, ``J``, ``pressure``,
+        ``von_mises`` where the law is evaluated.
+        """
         if name in ("p", "u", "v"):
             values = {"p": self.momentum, "u": self.displacement, "v": self.velocity}[name]
             return PointField(self.X, self.V, values)
-        if name in ("P", "F", "J", "pressure", "von_mises"):
+        if name in ("P", "cauchy", "F", "J", "pressure", "von_mises"):
             return PointField(self.stress_X, self.stress_V, getattr(self, name))
         raise InputError(
-            f"snapshot has no field {name!r}; choose one of p, u, v, P, F, J, pressure, von_mises"
+            f"snapshot has no field {name!r}; choose one of p, u, v, P, cauchy, F, J, pressure, "
+            "von_mises"
         )
 
     def at_vertices(self, name: str) -> Array:

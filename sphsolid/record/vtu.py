@@ -15,17 +15,18 @@ from sphsolid.record.snapshot import Snapshot
 
 #: Fields of a file; ``X`` lets a reader go back to the undeformed body.
 POINT_FIELDS = ("u", "v", "p")
-LAW_FIELDS = ("F", "J", "P", "pressure", "von_mises")
+LAW_FIELDS = ("F", "J", "P", "cauchy", "pressure", "von_mises")
 _GRID = b"<UnstructuredGrid>"
 
 
 def write_vtu(snapshot: Snapshot, path: str | Path) -> None:
     """Write the background mesh at its present positions with all fields, in single precision.
 
-    Points: ``X, u`` [m], ``v`` [m/s], ``p`` [kg/(m^2 s)], three components each.  ``F`` and ``P``
-    [Pa] (nine components, row by row), ``J``, ``pressure`` and ``von_mises`` [Pa] stand where the
-    method evaluates the law: at the points for particles, in the cells for finite elements.  Field
-    data ``TimeValue`` [s] and ``step``.  The file is whole or not there; an older one is replaced.
+    Points: ``X, u`` [m], ``v`` [m/s], ``p`` [kg/(m^2 s)], three components each.  ``F``, ``P`` and
+    ``cauchy`` [Pa] (nine components, row by row), ``J``, ``pressure`` and ``von_mises`` [Pa] stand
+    where the method evaluates the law: at the points for particles, in the cells for finite
+    elements.  Field data ``TimeValue`` [s], ``step`` and ``pressure_is_positive_in_tension``, 1:
+    the sign of ``pressure``, for whoever has only the file.  The file is whole or not there; an older one is replaced.
     Raises ``InputError`` for another suffix than ``.vtu`` or a folder that does not exist.
     """
     target = Path(path)
@@ -87,4 +88,5 @@ def _field_data(snapshot: Snapshot) -> bytes:
 
     time = array("TimeValue", "Float64", repr(float(snapshot.time)))
     step = array("step", "Int64", str(int(snapshot.step)))
-    return f"<FieldData>{time}{step}</FieldData>".encode()
+    sign = array("pressure_is_positive_in_tension", "Int64", "1")
+    return f"<FieldData>{time}{step}{sign}</FieldData>".encode()

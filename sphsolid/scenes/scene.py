@@ -9,6 +9,7 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from sphsolid.continuum.check_law import require_law
 from sphsolid.errors import InputError, require
 from sphsolid.geometry.body import Body
 from sphsolid.scenes.constraint import Constraint, Fixed
@@ -115,10 +116,11 @@ class Scene:
             np.isfinite(self.end_time) and self.end_time > 0.0,
             f"scene {self.name!r}: end_time = {self.end_time} s must be positive and finite",
         )
+        require_law(self.material, f"scene {self.name!r}: material")
         for name in ("mu", "kappa", "density"):
-            value = getattr(self.material, name)
+            value = getattr(self.material, name, None)
             require(
-                np.isfinite(value) and value > 0.0,
+                isinstance(value, int | float | np.number) and np.isfinite(value) and value > 0.0,
                 f"scene {self.name!r}: material {name} = {value} must be positive and finite; "
                 "build the material with its from_young(...)",
             )

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from sphsolid.cloud.cloud import Cloud, Secondary
 from sphsolid.cloud.pairs.pair_operator import PairOperator
+from sphsolid.continuum import law
 from sphsolid.fields import as_field, components, scalar_field, tensor_field, vector_field
 from sphsolid.scheme import fine_scale, galerkin, pressure
 from sphsolid.scheme.boundary import EssentialConditions, Loads
@@ -94,7 +95,7 @@ class RightHandSide:
         loads: Loads,
         essential: EssentialConditions,
     ) -> None:
-        self.material = material
+        self.material = law.in_kernels(material)
         self.cloud = cloud
         self.secondary = secondary
         self.formulation = formulation

@@ -87,7 +87,7 @@ def pressure_noise(snapshot: Snapshot, *, above: float = -math.inf) -> float:
 
 
 def pressure_range(snapshot: Snapshot, low: float = 1.0, high: float = 99.0) -> tuple[float, float]:
-    """Percentiles of ``kappa (J - 1)`` [Pa] over the points where stress is evaluated."""
+    """Percentiles of the pressure ``U'(J)`` [Pa] over the points where stress is evaluated."""
     ends = np.percentile(snapshot.pressure, [low, high])
     return float(ends[0]), float(ends[1])
 

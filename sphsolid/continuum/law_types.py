@@ -1,0 +1,34 @@
+"""The types under which kernels know the laws that are not part of this package.
+
+numba stores a compiled kernel under the types of its arguments, and a type by the name of its
+class.  A law from a user's file would be stored by the name of that file's module: an edit of its
+text would go unseen, and another program, which cannot import the module, could not read the list
+of what is stored.  A law therefore meets the kernels as an instance of a class of this module whose
+name is the hash of all that makes up the law (``law_source``).
+
+A name that this process does not know belongs to another program's law.  It gets an empty class,
+so that the list can be read; nothing ever has that type here.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+_PREFIX = "Law_"
+_KNOWN: dict[str, type] = {}
+
+
+def kernel_type(digest: str, parameters: type) -> type:
+    """The subclass of ``parameters`` that stands for the law with this ``digest``."""
+    name = _PREFIX + digest
+    made = type(name, (parameters,), {"__slots__": (), "__module__": __name__})
+    _KNOWN[name] = made
+    return made
+
+
+def __getattr__(name: str) -> Any:
+    if not name.startswith(_PREFIX):
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    if name not in _KNOWN:
+        _KNOWN[name] = type(name, (tuple,), {"__module__": __name__, "_fields": ()})
+    return _KNOWN[name]
