@@ -63,6 +63,11 @@ class Mesh:
         return np.ones(len(self.cells))
 
     @property
+    def fits_outline(self) -> bool:
+        """Whether the boundary facets are those of the cells, or follow them only nearly."""
+        return True
+
+    @property
     def corner_filling(self) -> Array:
         """The same for the part of each corner ``(C, k)``, over ``int N_a dV`` of the cell."""
         return np.broadcast_to(self.filling[:, None], self.cells.shape)
