@@ -20,6 +20,8 @@ from sphsolid.cloud.operator import Gradients, Ingredients, OperatorKind
 from sphsolid.cloud.operator_cache import gradients_of
 from sphsolid.cloud.pairs.neighbours import PairList, transposed
 from sphsolid.cloud.pairs.pair_operator import PairOperator, expanded, pair_operators
+from sphsolid.cloud.pairs.parts import parts_of
+from sphsolid.cloud.pairs.sight import Sight
 from sphsolid.cloud.secondary import SecondaryPoints
 from sphsolid.cloud.smoothing import SmoothingFunction
 from sphsolid.cloud.summation_by_parts import skewness_defect
@@ -27,6 +29,7 @@ from sphsolid.cloud.support import check_support
 from sphsolid.errors import require
 from sphsolid.geometry.integrals import area_vectors, vertex_volumes
 from sphsolid.geometry.mesh import Mesh
+from sphsolid.geometry.overlap import refuse_overlap
 
 Array = NDArray[np.float64]
 
@@ -36,7 +39,9 @@ class Cloud:
     """Primary particles.
 
     ``X (N, 3)`` [m], ``V (N,)`` [m^3], ``areas (N, 3)`` [m^2] outward area vectors (zero inside),
-    ``lengths`` the smoothing lengths, ``h_min`` [m] smallest distance between two particles,
+    ``lengths`` the smoothing lengths, ``h_min`` [m] smallest distance of a pair, ``sight`` who sees
+    whom through the material, ``left_out`` how many pairs within their support it leaves out,
+    ``parts`` how many sets of particles share no pair,
     ``iterations`` and ``change`` as in ``operator.Gradients``.  Operators
     on one pair list, three columns each: ``kinematic`` and ``force`` the gradients ``G_b(X_a)``
     [1/m] (see ``operator.Gradients``; one object when adjoint), ``adjoint`` the divergence
@@ -55,6 +60,9 @@ class Cloud:
     h_min: float
     iterations: int
     change: float
+    sight: Sight
+    left_out: int
+    parts: int
 
     @property
     def h(self) -> float:
@@ -112,13 +120,15 @@ class Secondary:
 
     ``sampling``, four columns: gradient ``G_a(X_q)`` [1/m] and weight ``V_a W~_a(X_q)`` of every
     pair.  ``spreading``: the adjoint by primary particle, ``V_q G_a(X_q) / V_a`` and, when it was
-    asked for, ``V_q V_a W~_a(X_q) / V_a``.
+    asked for, ``V_q V_a W~_a(X_q) / V_a``.  ``left_out``: pairs within their support that leave
+    the body on their way.
     """
 
     X: Array
     V: Array
     sampling: PairOperator
     spreading: PairOperator
+    left_out: int
 
     @property
     def pairs(self) -> PairList:
@@ -174,8 +184,10 @@ def build_cloud(
 ) -> Cloud:
     """Particles on the vertices of ``mesh`` with the operators of ``operator``.
 
-    Raises ``InputError`` for a non-positive ``h_over_dx``, a support that is too small (naming
-    the particle and the value to raise it to) or an operator that does not exist on this cloud.
+    Pairs whose straight line leaves the body are none (``pairs.sight``).  Raises ``InputError``
+    for a non-positive ``h_over_dx``, a support that is too small (naming
+    the particle and the value to raise it to), parts that overlap, or an operator that does not
+    exist on this cloud.
     ``stencils=False`` stores every particle's own pairs, as on an irregular cloud.
     """
     require(
@@ -184,13 +196,16 @@ def build_cloud(
     )
     X = mesh.vertices
     V = vertex_volumes(mesh)
+    refuse_overlap("the body", mesh)
     areas = area_vectors(mesh, mesh.boundary)
+    sight = Sight.within(mesh)
     lengths = lengths_of(mesh, h_over_dx)
-    pairs = lengths.pairs(X, X, smoothing.support)
+    within = lengths.pairs(X, X, smoothing.support)
+    pairs = sight.seen(X, within)
     check_support(
         X, X, pairs,
         h_over_dx=h_over_dx, support=smoothing.support, spacings=lengths.spacings(X),
-        what="primary",
+        what="primary", hidden=sight.hidden,
     )  # fmt: skip
     gradients = gradients_of(operator, Ingredients(mesh, V, areas, pairs, smoothing, lengths))
     columns = [gradients.kinematic]
@@ -202,7 +217,8 @@ def build_cloud(
     h_min = _h_min(X, pairs)
     return Cloud(
         mesh, X, V, gradients.areas, lengths, kinematic, force, adjoint, smoothing, h_min,
-        gradients.iterations, gradients.change,
+        gradients.iterations, gradients.change, sight, (within.pairs - pairs.pairs) // 2,
+        int(parts_of(pairs).max()) + 1,
     )  # fmt: skip
 
 
@@ -228,11 +244,13 @@ def build_secondary(
     """Secondary particles of the cloud's mesh with the cloud's smoothing function."""
     X, V = points.place(cloud.mesh)
     lengths = cloud.lengths
-    pairs = lengths.pairs(X, cloud.X, cloud.smoothing.support)
+    within = lengths.pairs(X, cloud.X, cloud.smoothing.support)
+    pairs = cloud.sight.seen(X, within)
     check_support(
         X, cloud.X, pairs,
         h_over_dx=lengths.h_over_dx, support=cloud.smoothing.support,
         spacings=lengths.spacings(X), what=f"secondary ({points.name})",
+        hidden=cloud.sight.hidden,
     )  # fmt: skip
     h = lengths.of_pairs(X, pairs)
     arguments = (X, cloud.X, cloud.V, pairs, cloud.smoothing, h)
@@ -247,7 +265,7 @@ def build_secondary(
     columns = sample if adjoint_weight else G
     spread = (columns * volume_of_pair[:, None])[place]
     (spreading,) = pair_operators(spread_pairs, [spread], len(X), stencils=stencils)
-    return Secondary(X, V, sampling, spreading)
+    return Secondary(X, V, sampling, spreading, within.pairs - pairs.pairs)
 
 
 def consistency_report(cloud: Cloud, exact_volume: float) -> ConsistencyReport:

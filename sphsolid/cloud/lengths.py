@@ -6,9 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial import cKDTree
 
 from sphsolid.cloud.pairs.neighbours import PairList, pairs_of_lengths, pairs_within
+from sphsolid.cloud.pairs.sight import Sight
 from sphsolid.geometry.cell_shape import CORNERS
 from sphsolid.geometry.integrals import local_spacing
 from sphsolid.geometry.mesh import HexMesh, Mesh
@@ -52,6 +52,7 @@ class Local:
     particles: Array
     spacing: Array
     h_over_dx: float
+    sight: Sight
 
     @property
     def nominal(self) -> float:
@@ -71,11 +72,10 @@ class Local:
         return np.asarray(0.5 * self.h_over_dx * (here + self.spacing[pairs.indices]))
 
     def spacings(self, points: Array) -> Array:
-        """Spacing [m] around every point ``(R,)``: the mean of those of the four nearest."""
+        """Spacing [m] around every point ``(R,)``: the mean of those of the four nearest seen."""
         if points is self.particles:
             return self.spacing
-        _, near = cKDTree(self.particles).query(points, k=min(4, len(self.particles)))
-        return np.asarray(self.spacing[near.reshape(len(points), -1)].mean(axis=1))
+        return np.asarray(self.spacing[self.sight.nearest(points, 4)].mean(axis=1))
 
 
 Lengths = Uniform | Local
@@ -126,4 +126,4 @@ def lengths_of(mesh: Mesh, h_over_dx: float) -> Lengths:
     spacing = widest_spacing(mesh)
     if np.max(spacing) <= GRADED * np.min(spacing):
         return Uniform(mesh.widest, h_over_dx)
-    return Local(mesh.vertices, spacing, h_over_dx)
+    return Local(mesh.vertices, spacing, h_over_dx, Sight.within(mesh))

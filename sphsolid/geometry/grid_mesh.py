@@ -46,7 +46,7 @@ class GridAxis:
     @property
     def is_uniform(self) -> bool:
         """True when all cells are equally long, up to rounding."""
-        return bool(np.ptp(self.steps) <= 1.0e-12 * self.steps[0])
+        return _is_uniform(self.steps)
 
     @property
     def room(self) -> Array:
@@ -94,17 +94,26 @@ def grid_mesh(
     used = np.unique(cells)
     place = np.full(len(grid), -1)
     place[used] = np.arange(len(used))
-    # Every interval has its own whole number of cells; the smallest edge limits the step.
-    edge = float(min(np.min(axis.steps) for axis in axes))
-    longest = float(max(np.max(axis.steps) for axis in axes))
+    # Every interval has its own whole number of cells; the smallest edge limits the step.  The
+    # steps across a gap between parts are nobody's edge.
+    steps = [
+        axis.steps[keep.any(axis=tuple({0, 1, 2} - {d}))] for d, axis in enumerate(axes)
+    ]
+    edge = float(min(np.min(its) for its in steps))
+    longest = float(max(np.max(its) for its in steps))
     return GridMesh(
         vertices[used],
         place[cells],
         {name: place[quads] for name, quads in faces.items()},
         edge,
-        is_lattice=jitter == 0.0 and all(axis.is_uniform for axis in axes),
+        is_lattice=jitter == 0.0 and all(_is_uniform(its) for its in steps),
         elongation=longest / edge,
     )
+
+
+def _is_uniform(steps: Array) -> bool:
+    """True when all cells are equally long, up to rounding."""
+    return bool(np.ptp(steps) <= 1.0e-12 * steps[0])
 
 
 def _faces_across(

@@ -21,7 +21,8 @@ class Mesh:
     ``vertices (N, 3)`` [m]; ``cells (C, k)`` in the corner order of ``shape``; ``faces`` name ->
     ``(f, m)`` vertex loops, counter-clockwise seen from outside; ``spacing`` [m] the nominal
     distance of neighbouring vertices; ``is_lattice`` True when the vertices sit on a regular
-    axis-aligned grid of that spacing (per axis up to rounding to whole cells).
+    axis-aligned grid of that spacing (per axis up to rounding to whole cells), those of separate
+    parts perhaps each on its own.
     """
 
     vertices: Array
@@ -61,6 +62,11 @@ class Mesh:
     def filling(self) -> Array:
         """Volume a cell stands for, over its own ``(C,)``: one where cells fill the body."""
         return np.ones(len(self.cells))
+
+    @property
+    def fits_outline(self) -> bool:
+        """Whether the boundary facets are those of the cells, or follow them only nearly."""
+        return True
 
     @property
     def corner_filling(self) -> Array:

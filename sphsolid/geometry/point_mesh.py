@@ -10,7 +10,7 @@ moments that the surface encloses.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,6 +22,7 @@ from sphsolid.geometry.dual_volumes import corner_parts
 from sphsolid.geometry.facets import cell_facets, same_vertices
 from sphsolid.geometry.mesh import TetMesh
 from sphsolid.geometry.surface import Surface
+from sphsolid.geometry.surface_parts import SurfacePart, surface_parts
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
@@ -52,17 +53,72 @@ class PointMesh(TetMesh):
         return self.shares
 
     @property
+    def fits_outline(self) -> bool:
+        """False: the triangles of the surface need not be facets of the cells."""
+        return False
+
+    @property
     def corner_filling(self) -> Array:
         """See :attr:`corner_shares`."""
         return self.corner_shares
 
 
+@dataclass(frozen=True)
+class _Filling:
+    """Cells ``(C, 4)`` of one part with their shares, see :class:`PointMesh`."""
+
+    cells: Indices
+    shares: Array
+    corner_shares: Array
+    largest_change: float
+
+
 def point_mesh(surface: Surface, points: Array) -> PointMesh:
     """Particles on the vertices of ``surface`` and on ``points (n, 3)`` inside it.
 
-    Raises ``InputError`` where the cells between them do not follow the surface, a particle gets
-    no volume, or a cell's volume would change by more than ``LARGEST_CHANGE``.
+    Bodies apart from each other are filled one by one, so no cell joins them and each has its
+    own volume and moments.  Raises ``InputError`` where the cells between the particles do not
+    follow the surface, a particle gets no volume, or a cell's volume would change by more than
+    ``LARGEST_CHANGE``.
     """
+    parts = surface_parts(surface)
+    particles = np.concatenate([surface.vertices, points])
+    if len(parts) == 1:
+        filling = _filling(surface, points)
+    else:
+        filling = _joined([_part(part, surface, points) for part in parts])
+        lost = np.setdiff1d(np.arange(len(particles)), filling.cells)
+        require(
+            len(lost) == 0,
+            f"{len(lost)} points lie in none of the {len(parts)} parts that the surface encloses, "
+            f"for instance the one at X = {particles[lost[:1]].ravel().tolist()} m; leave them out",
+        )
+    spacing = _spacing(particles, filling.cells, surface.volume)
+    return PointMesh(
+        particles, filling.cells, surface.faces, spacing, is_lattice=False,
+        shares=filling.shares, corner_shares=filling.corner_shares,
+        largest_change=filling.largest_change,
+    )  # fmt: skip
+
+
+def _part(part: SurfacePart, whole: Surface, points: Array) -> _Filling:
+    """The filling of one part, numbered as in the whole."""
+    mine = np.flatnonzero(part.surface.contains(points))
+    filling = _filling(part.surface, points[mine])
+    number = np.concatenate([part.vertices, len(whole.vertices) + mine])
+    return replace(filling, cells=number[filling.cells])
+
+
+def _joined(parts: list[_Filling]) -> _Filling:
+    return _Filling(
+        np.concatenate([part.cells for part in parts]),
+        np.concatenate([part.shares for part in parts]),
+        np.concatenate([part.corner_shares for part in parts]),
+        max(part.largest_change for part in parts),
+    )
+
+
+def _filling(surface: Surface, points: Array) -> _Filling:
     particles = np.concatenate([surface.vertices, points])
     cells = delaunay(particles)
     inside = surface.contains(particles[cells].mean(axis=1))
@@ -70,7 +126,6 @@ def point_mesh(surface: Surface, points: Array) -> PointMesh:
     kept = cells[inside & ~flat]
     volume = tetrahedron_volumes(particles, kept)
     require(len(kept) > 0, "no cell between the points lies inside the surface; add points")
-    spacing = _spacing(particles, kept, surface.volume)
     _check_follows(surface, particles, kept, cells[flat])
     parts = corner_parts(particles, kept)
     held: Array = np.bincount(
@@ -93,10 +148,7 @@ def point_mesh(surface: Surface, points: Array) -> PointMesh:
             f"{100.0 * largest:.3g} %, allowed are {100.0 * LARGEST_CHANGE:g} %; refine the "
             "surface or add points"
         )
-    return PointMesh(
-        particles, kept, surface.faces, spacing, is_lattice=False,
-        shares=1.0 + cell_change, corner_shares=corner_shares, largest_change=largest,
-    )  # fmt: skip
+    return _Filling(kept, 1.0 + cell_change, corner_shares, largest)
 
 
 def _is_flat(particles: Array, cells: Indices) -> NDArray[np.bool_]:
