@@ -19,14 +19,13 @@ class EssentialConditions:
     """All constraints of a mesh: ``v_a <- (I - Q_a) v_a + Q_a v_prescribed(X_a, t)``.
 
     ``nodes (n,)`` are the constrained nodes, ``free (n, 3, 3)`` their ``I - Q_a``; ``driven``
-    are the constraints that move, ``parts`` every constraint with the face it is on; ``X (N, 3)``
-    [m].
+    are the constraints that move, ``parts`` all of them; ``X (N, 3)`` [m].
     """
 
     nodes: NDArray[np.int64]
     free: Array
     driven: tuple[EssentialPart, ...]
-    parts: tuple[tuple[str, EssentialPart], ...]
+    parts: tuple[EssentialPart, ...]
     X: Array
 
     @classmethod
@@ -40,9 +39,7 @@ class EssentialConditions:
             constrained[part.particles] = True
         nodes = np.flatnonzero(constrained)
         driven = tuple(part for part in parts if not part.is_fixed)
-        faces = [constraint.face for constraint in constraints]
-        named = tuple(zip(faces, parts, strict=True))
-        return cls(nodes, free[nodes], driven, named, mesh.vertices)
+        return cls(nodes, free[nodes], driven, tuple(parts), mesh.vertices)
 
     @property
     def nbytes(self) -> int:
@@ -55,15 +52,15 @@ class EssentialConditions:
             return
         keep_free(self.nodes, self.free, velocity)
         for part in self.driven:
-            prescribed = part.velocity(self.X[part.particles], t)
+            prescribed = part.prescribed(self.X[part.particles], t)
             # Projectors of different parts are orthogonal, so their sum is the whole condition.
             velocity[part.particles] += np.einsum("nij,nj->ni", part.projector, prescribed)
 
     def by_face(self, reaction: Array) -> dict[str, Array]:
         """Sum over a constrained face of its share of ``reaction (n, 3)`` at ``nodes``."""
         sums: dict[str, Array] = {}
-        for face, part in self.parts:
+        for part in self.parts:
             rows = np.searchsorted(self.nodes, part.particles)
             share = np.einsum("nij,nj->i", part.projector, reaction[rows])
-            sums[face] = sums.get(face, np.zeros(3)) + share
+            sums[part.face] = sums.get(part.face, np.zeros(3)) + share
         return sums

@@ -37,29 +37,21 @@ class Load:
     matrix: csr_matrix
 
     def nodal_force(self, t: float) -> Array:
-        """``(N, 3)`` [N] at time ``t`` [s]; raises ``InputError`` for a field of wrong shape."""
-        values = np.asarray(self.field(t), dtype=float)
-        expected = (self.matrix.shape[1], 3)
-        if values.shape != expected:
-            raise InputError(
-                f"{self.what}: the field returned shape {values.shape} for {expected[0]} points, "
-                f"expected {expected}"
-            )
-        return np.asarray(self.matrix @ values)
+        """``(N, 3)`` [N] at time ``t`` [s]; raises ``InputError`` for what the field may not do."""
+        return np.asarray(self.matrix @ self.field(t))
 
 
 def loads_of(scene: Scene, sk: MeshHex, shapes: LoadShapes) -> tuple[Load, ...]:
     """The loads that the scene has: none for a body that only moves freely.
 
-    Raises ``InputError`` for a traction on an unknown tag, or for a field that is not finite or
-    has a wrong shape at time zero.
+    Raises ``InputError`` for a traction on an unknown tag, or a field that fails at time zero; see
+    :func:`sphsolid.scenes.callbacks.asked`.
     """
     loads: list[Load] = []
-    body_force = scene.body_force
-    if not isinstance(body_force, NoBodyForce):
+    if not isinstance(scene.body_force, NoBodyForce):
         basis = Basis(sk, shapes.element, intorder=shapes.degree)
         X, matrix = _points(basis), _weighted_shapes(basis, shapes)
-        loads.append(Load("body force", _at(body_force, X), matrix))
+        loads.append(Load("body force", _at(scene.body_force_at, X), matrix))
     for traction in scene.tractions:
         facets = (sk.boundaries or {}).get(traction.face, np.empty(0, dtype=np.int64))
         if len(facets) == 0:
@@ -70,10 +62,9 @@ def loads_of(scene: Scene, sk: MeshHex, shapes: LoadShapes) -> tuple[Load, ...]:
         surface = FacetBasis(sk, shapes.element, facets=facets, intorder=shapes.degree)
         X, matrix = _points(surface), _weighted_shapes(surface, shapes)
         normals = np.ascontiguousarray(surface.normals.reshape(3, -1).T)
-        loads.append(Load(f"traction on {traction.face}", _at(traction.value, X, normals), matrix))
+        loads.append(Load(f"traction on {traction.face}", _at(traction.at, X, normals), matrix))
     for load in loads:
-        if not np.isfinite(load.nodal_force(0.0)).all():
-            raise InputError(f"{load.what}: the field is not finite at t = 0")
+        load.nodal_force(0.0)
     return tuple(loads)
 
 

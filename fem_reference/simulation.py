@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import copy
 import math
 import time
 from collections.abc import Callable, Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,13 +24,15 @@ from sphsolid.compiled import threads
 from sphsolid.continuum import check_law, reference_p_wave_speed
 from sphsolid.errors import Diverged, InputError, require
 from sphsolid.geometry.body import AS_MESHED, AsMeshed, Spacing
-from sphsolid.geometry.mesh import hexahedra
+from sphsolid.geometry.mesh import hexahedra, protected, read_only
 from sphsolid.record import History, Output, Progress, Snapshot, march, restore, write_vtu
 from sphsolid.record.balance import Balance, MomentumWatch, NotTracked, total_momentum
-from sphsolid.record.checkpoint import common_identity
+from sphsolid.record.checkpoint import ACCOUNT, checkpoint_of, common_identity, rebuilt
 from sphsolid.record.output import NO_OUTPUT
-from sphsolid.record.recorders import Recorder, asks_for_balance
-from sphsolid.scenes.scene import Scene
+from sphsolid.record.probes import check_probes
+from sphsolid.record.recorders import Recorder
+from sphsolid.record.samples import Sampler, Samples
+from sphsolid.scenes.scene import Scene, check_scene
 
 Array = NDArray[np.float64]
 
@@ -56,11 +60,12 @@ class Simulation:
         """``spacing`` [m] nominal, of nodes, unless the body has its own; ``cfl`` fraction of the
         stable step, in (0, 1].
         """
+        check_scene(scene)
         require(
-            math.isfinite(cfl) and 0.0 < cfl <= 1.0,
-            f"cfl = {cfl} is outside (0, 1]; central differences are stable to about 0.85, use 0.6",
+            isinstance(cfl, int | float) and 0.0 < cfl <= 1.0,
+            f"cfl = {cfl!r} is outside (0, 1]; central differences are stable to about 0.85, use 0.6",
         )
-        if not hasattr(element, "discretise"):
+        if isinstance(element, type) or not hasattr(element, "discretise"):
             raise InputError(
                 f"element = {element!r} is no element technology; use BBarHex() or TaylorHoodHex()"
             )
@@ -71,12 +76,15 @@ class Simulation:
         self.time = 0.0
         self.step = 0
         edge = spacing if isinstance(spacing, AsMeshed) else element.cell_size(spacing)
+        self._arguments = {"spacing": spacing, "element": element, "cfl": cfl}
         mesh = hexahedra(scene.body.mesh(edge), f"element = {element.name}")
+        check_probes(scene, mesh)
         sk = scikit_fem_mesh(mesh)
         self._elements = element.discretise(mesh=mesh, sk=sk, material=scene.material)
         self._mesh = self._elements.mesh
         self._loads = loads_of(scene, sk, self._elements.load_shapes)
         self._essential = EssentialConditions.of(scene.constraints, self._mesh)
+        self._sampler = Sampler(scene, self._mesh)
         self._V = self._elements.nodal_volumes
         self._mass = (scene.material.density * self._V)[:, None]
         self._wave_speed = reference_p_wave_speed(scene.material)
@@ -152,18 +160,18 @@ class Simulation:
     def snapshot(self) -> Snapshot:
         """State now: nodes with lumped volumes, stresses at the centres of the mesh's cells."""
         stress = self._elements.stress(self._x)
-        X = self._mesh.vertices
+        X, V = read_only(self._mesh.vertices), read_only(self._V)
         return Snapshot(
             time=self.time,
             step=self.step,
             material=self.scene.material,
-            mesh=self._mesh,
+            mesh=protected(self._mesh),
             X=X,
-            V=self._V,
+            V=V,
             x=self._x.copy(),
             velocity=self._v.copy(),
             stress_X=X[self._mesh.cells].mean(axis=1),
-            stress_V=self._elements.volumes,
+            stress_V=read_only(self._elements.volumes),
             F=stress.F,
             J=stress.J,
             P=stress.P,
@@ -209,11 +217,17 @@ class Simulation:
         output: Output = NO_OUTPUT,
     ) -> History:
         """Advance to ``until`` [s] recording every ``every`` [s]; see ``sphsolid.record.march``."""
-        if asks_for_balance(record):
-            self.track_balance()
         return march(
             self, until=until, every=every, record=record, progress=progress, output=output
         )
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Set up again where it is copied or unpickled, and put into the state of now."""
+        return rebuilt, (type(self), self.scene, self._arguments, checkpoint_of(self))
+
+    def __copy__(self) -> Simulation:
+        """As a deep copy: two simulations of one state would each move the other's."""
+        return copy.deepcopy(self)
 
     def save(self, path: str | Path) -> None:
         """Write the state now as a ``.vtu`` file; see ``record.write_vtu``."""
@@ -228,12 +242,26 @@ class Simulation:
         options = {"method": "FEM", "element": repr(self.element), "cfl": repr(self.cfl)}
         return common_identity(self.scene, self._mesh.vertices, self._V) | options
 
+    def samples(self, times: Sequence[float]) -> Samples:
+        """What the scene's functions say at ``times`` [s], by which a checkpoint knows them."""
+        return self._sampler.at(times)
+
+    def totals(self) -> dict[str, float]:
+        """What the run has cost so far."""
+        return {"run_seconds": self._wall_time, "smallest_dt": self._smallest_dt}
+
+    def go_on(self, totals: dict[str, float]) -> None:
+        """Count on from the ``totals`` of an earlier part of the run."""
+        self._wall_time += totals.get("run_seconds", 0.0)
+        self._smallest_dt = min(self._smallest_dt, totals.get("smallest_dt", math.inf))
+
     def state_arrays(self) -> dict[str, Array]:
         """The arrays that hold the state, and the account where one is kept."""
         arrays = {"x": self._x, "v": self._v, "a": self._a}
         if isinstance(self._account, Account):
             totals = self._account.arrays() | self._watch.arrays() | {"energy": self._start_energy}
-            arrays |= {f"account.{name}": value for name, value in totals.items()}
+            totals["reaction_now"] = self._reaction_force
+            arrays |= {f"{ACCOUNT}{name}": value for name, value in totals.items()}
         return arrays
 
     def state_changed(self) -> None:

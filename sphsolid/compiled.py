@@ -8,6 +8,10 @@ Why a module of its own:
   in a room that does.
 * The threading layer and its wait policy must be chosen before numba starts its threads.
 
+* A cache is a convenience: where none can be written, kernels are compiled in memory, and a warning
+  of one line says so.
+* GNU's threads do not survive a fork; a forked process gets others (:func:`_change_threads`).
+
 Kernels take arrays and scalars only and write into their last argument.  They *gather*: every
 output row is written by exactly one loop iteration, so the bits do not depend on the number of
 threads.
@@ -17,6 +21,8 @@ from __future__ import annotations
 
 import hashlib
 import os
+import pickle
+import warnings
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -28,6 +34,7 @@ _COMPILED_PACKAGES = ("sphsolid", "fem_reference")
 _NOT_COMPILED = (
     "sphsolid/geometry/", "sphsolid/scenes/", "sphsolid/record/", "sphsolid/simulation.py",
     "sphsolid/defaults.py", "sphsolid/describe.py", "sphsolid/recommendation.py",
+    "sphsolid/paths.py",
 )  # fmt: skip
 
 
@@ -53,14 +60,33 @@ def kernel_hash() -> str:
 
 
 def cache_base() -> Path:
-    """Folder of everything that can be made anew: ``SPHSOLID_CACHE`` or the user's cache."""
-    chosen = os.environ.get("SPHSOLID_CACHE")
-    if chosen:
-        return Path(chosen)
-    return Path(os.environ.get("XDG_CACHE_HOME", Path.home() / ".cache")) / "sphsolid"
+    """Folder of everything that can be made anew: ``SPHSOLID_CACHE`` or the user's cache.
+
+    Raises ``OSError`` where there is neither, nor a home folder.  An empty or relative
+    ``XDG_CACHE_HOME`` counts as unset, as its specification says.
+    """
+    chosen, shared = os.environ.get("SPHSOLID_CACHE"), os.environ.get("XDG_CACHE_HOME", "")
+    try:
+        if chosen:
+            return Path(chosen).expanduser().absolute()
+        return (Path(shared) if os.path.isabs(shared) else Path.home() / ".cache") / "sphsolid"
+    except RuntimeError as homeless:
+        raise OSError(f"there is no cache folder ({homeless}); set SPHSOLID_CACHE") from None
 
 
-CACHE_DIR = cache_base() / "kernels" / kernel_hash()
+#: Hash of the sources as they were imported.
+KERNEL_HASH = kernel_hash()
+
+
+def _cache_dir() -> Path | None:
+    try:
+        return cache_base() / "kernels" / KERNEL_HASH
+    except OSError:
+        return None
+
+
+#: Folder of compiled kernels; None where there is no place for one.
+CACHE_DIR = _cache_dir()
 
 # A process that shares the machine should sleep, not spin, while it waits for its threads.
 os.environ.setdefault("OMP_WAIT_POLICY", "passive")
@@ -68,19 +94,89 @@ os.environ.setdefault("NUMBA_THREADING_LAYER", "omp")
 
 import numba  # noqa: E402  (the environment above must be set first)
 from numba import prange  # noqa: E402
+from numba.core.caching import FunctionCache  # noqa: E402
 from numba.extending import overload, register_jitable  # noqa: E402
+from numba.np.ufunc import parallel as _threading  # noqa: E402
 
-numba.config.CACHE_DIR = str(CACHE_DIR)
+if CACHE_DIR is not None:
+    numba.config.CACHE_DIR = str(CACHE_DIR)
+
+
+class _OptionalCache(FunctionCache):  # type: ignore[misc]
+    """numba's cache of one kernel, which may fail without harm."""
+
+    def load_overload(self, sig: Any, target_context: Any) -> Any:
+        try:
+            return super().load_overload(sig, target_context)
+        except (OSError, EOFError, pickle.UnpicklingError):
+            return None
+
+    def save_overload(self, sig: Any, data: Any) -> None:
+        try:
+            super().save_overload(sig, data)
+        except OSError as failure:
+            _say_not_kept(failure)
+
+
+_said_not_kept = False
+
+
+def _say_not_kept(why: Exception) -> None:
+    global _said_not_kept
+    if not _said_not_kept:
+        _said_not_kept = True
+        text = f"kernels are compiled in memory, anew in every process: {why}; set SPHSOLID_CACHE"
+        # Not at a line of the caller: one line is all there is to say.
+        warnings.warn_explicit(text, RuntimeWarning, "sphsolid", 0)
+
+
+_KERNELS: list[Any] = []
+
+
+def _compiled(function: Callable[..., Any], *, parallel: bool) -> Callable[..., Any]:
+    made: Any = numba.njit(parallel=parallel, error_model="numpy")(function)
+    _KERNELS.append(made)
+    try:
+        if CACHE_DIR is None:
+            cache_base()
+        cache = _OptionalCache(function)
+        # numba's next choice is a folder beside the source, which knows nothing of other sources.
+        if not Path(cache.cache_path).is_relative_to(Path(numba.config.CACHE_DIR)):
+            raise OSError(f"{CACHE_DIR} cannot be written")
+        made._cache = cache
+    except (OSError, RuntimeError) as failure:
+        _say_not_kept(failure)
+    return made  # type: ignore[no-any-return]
+
+
+def _change_threads() -> None:
+    """In a forked process: numba's own threads instead of GNU OpenMP's, which ended with the fork.
+
+    GNU OpenMP ends a process that goes on with it.  Kernels are linked anew, from the cache where
+    there is one; their results do not depend on who runs the threads.
+    """
+    if not (_threading._is_initialized and _threading._threading_layer == "omp"):
+        return
+    count = numba.get_num_threads()
+    _threading._is_initialized = False
+    numba.config.THREADING_LAYER = "workqueue"
+    numba.set_num_threads(count)
+    for each in _KERNELS:
+        each._reset_overloads()
+
+
+if hasattr(os, "register_at_fork"):
+    os.register_at_fork(after_in_child=_change_threads)
 
 
 def kernel(function: Callable[..., Any]) -> Callable[..., Any]:
     """Compile a gather loop: threads over the outer ``prange``, strict IEEE arithmetic."""
-    return numba.njit(parallel=True, cache=True, error_model="numpy")(function)
+    return _compiled(function, parallel=True)
 
 
 def serial_kernel(function: Callable[..., Any]) -> Callable[..., Any]:
     """Compile a loop that must run in order (set-up work, totals)."""
-    return numba.njit(cache=True, error_model="numpy")(function)
+    return _compiled(function, parallel=False)
 
 
 def inlined(function: Callable[..., Any]) -> Callable[..., Any]:
@@ -115,13 +211,14 @@ def description() -> dict[str, Any]:
         "numpy": numpy.__version__,
         "scipy": scipy.__version__,
         "threads": threads(),
-        "threading_layer": os.environ["NUMBA_THREADING_LAYER"],
+        "threading_layer": numba.config.THREADING_LAYER,
         "wait_policy": os.environ["OMP_WAIT_POLICY"],
     }
 
 
 __all__ = [
     "CACHE_DIR",
+    "KERNEL_HASH",
     "cache_base",
     "description",
     "inlined",

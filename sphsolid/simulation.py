@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import math
 import time as clock
 from collections.abc import Callable, Sequence
@@ -31,17 +32,27 @@ from sphsolid.defaults import (
 from sphsolid.describe import memory_bytes, plan, summary
 from sphsolid.errors import InputError
 from sphsolid.geometry.body import AS_MESHED, Spacing
+from sphsolid.geometry.mesh import protected, read_only
 from sphsolid.recommendation import recommend
 from sphsolid.record.balance import Balance, MomentumWatch, NotTracked, total_momentum
-from sphsolid.record.checkpoint import common_identity, restore
+from sphsolid.record.checkpoint import (
+    ACCOUNT,
+    checkpoint_of,
+    common_identity,
+    put_back,
+    rebuilt,
+    restore,
+)
 from sphsolid.record.history import History
 from sphsolid.record.march import march
 from sphsolid.record.output import NO_OUTPUT, Output
+from sphsolid.record.probes import check_probes
 from sphsolid.record.progress import Progress
-from sphsolid.record.recorders import Recorder, asks_for_balance
+from sphsolid.record.recorders import Recorder
+from sphsolid.record.samples import Sampler, Samples
 from sphsolid.record.snapshot import Snapshot
 from sphsolid.record.vtu import write_vtu
-from sphsolid.scenes.scene import FromGeometry, Scene
+from sphsolid.scenes.scene import FromGeometry, Scene, check_scene
 from sphsolid.scheme.boundary import EssentialConditions, Loads
 from sphsolid.scheme.elastic_response import highest_frequency
 from sphsolid.scheme.formulation import Formulation
@@ -93,9 +104,14 @@ class Simulation:
         integrator: Integrator | None = None,
     ) -> None:
         started = clock.perf_counter()
+        check_scene(scene)
         given = {
             "stabilisation": stabilisation, "h_over_dx": h_over_dx, "integrator": integrator,
             "cfl": cfl, "formulation": formulation, "operator": operator, "smoothing": smoothing,
+        }  # fmt: skip
+        self._arguments: dict[str, Any] = given | {
+            "spacing": spacing, "angular_momentum": angular_momentum,
+            "initial_strain": initial_strain,
         }  # fmt: skip
         #: Options that were left to ``sphsolid.defaults``.
         self.by_default = tuple(name for name, value in given.items() if value is None)
@@ -113,6 +129,7 @@ class Simulation:
         if stabilisation is not None:
             check_pair(self.formulation, stabilisation)
         mesh = scene.body.mesh(spacing)
+        check_probes(scene, mesh)
         if stabilisation is None:
             stabilisation = default_stabilisation(
                 self.formulation, scene.material, secondary=default_secondary(mesh)
@@ -150,22 +167,14 @@ class Simulation:
         )
         self.consistency = consistency_report(self.cloud, scene.body.volume)
 
-        essential = EssentialConditions(scene, self.cloud)
-        self._rhs = RightHandSide(
-            material=scene.material,
-            cloud=self.cloud,
-            secondary=self.secondary,
-            formulation=self.formulation,
-            stabilisation=self.stabilisation,
-            angular_momentum=self.angular_momentum,
-            loads=Loads(scene, self.cloud),
-            essential=essential,
-        )
+        self._sampler = Sampler(scene, self.cloud.mesh)
+        self._rhs = self._right_hand_side()
+        self._rhs.loads.at(0.0)
         self.initial_strain = self._chosen_strain(initial_strain)
         self._state = initial_state(scene, self._rhs, self.initial_strain)
         #: The stable step [s] of the state as it is; nan where nobody has asked for it yet.
         self._allowed = math.nan
-        self._stepper = self.integrator.stepper(self._rhs, self._state, essential)
+        self._stepper = self.integrator.stepper(self._rhs, self._state, self._rhs.essential)
         self._time_step = TimeStep(
             cfl=cfl,
             h_min=self._shortest_length(),
@@ -177,7 +186,51 @@ class Simulation:
         self.time = 0.0
         self.step = 0
         self.setup_seconds = clock.perf_counter() - started
-        self.run_seconds = 0.0
+        self._seconds_before = 0.0
+        self._running_since: float | None = None
+
+    def _right_hand_side(self) -> RightHandSide:
+        return RightHandSide(
+            material=self.scene.material,
+            cloud=self.cloud,
+            secondary=self.secondary,
+            formulation=self.formulation,
+            stabilisation=self.stabilisation,
+            angular_momentum=self.angular_momentum,
+            loads=Loads(self.scene, self.cloud),
+            essential=EssentialConditions(self.scene, self.cloud),
+        )
+
+    def __deepcopy__(self, memo: dict[int, Any]) -> Simulation:
+        """A branch of the run: a state of its own on the same particles."""
+        branch = object.__new__(type(self))
+        memo[id(self)] = branch
+        vars(branch).update(vars(self))
+        # Functions with a memory have one each.
+        branch.scene = copy.deepcopy(self.scene, memo)
+        branch._time_step = copy.deepcopy(self._time_step, memo)
+        branch._rhs = rhs = branch._right_hand_side()
+        major = self.cloud.particle_major
+        branch._state = State.zeros(self.cloud.size, self.formulation, particle_major=major)
+        branch._stepper = self.integrator.stepper(rhs, branch._state, rhs.essential)
+        branch._allowed = math.nan
+        branch._running_since, branch._seconds_before = None, self.run_seconds
+        put_back(branch, checkpoint_of(self), "the copy", counts=False)
+        return branch
+
+    def __copy__(self) -> Simulation:
+        """As a deep copy: two simulations of one state would each move the other's."""
+        return copy.deepcopy(self)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Set up again where it is unpickled, and put into the state of now, bit for bit."""
+        return rebuilt, (type(self), self.scene, self._arguments, checkpoint_of(self))
+
+    @property
+    def run_seconds(self) -> float:
+        """Seconds spent in ``run``, those before a restart included."""
+        since = self._running_since
+        return self._seconds_before + (0.0 if since is None else clock.perf_counter() - since)
 
     @property
     def name(self) -> str:
@@ -304,15 +357,14 @@ class Simulation:
         output: Output = NO_OUTPUT,
     ) -> History:
         """Advance to ``until`` [s] and record every ``every`` [s]; see ``record.march``."""
-        started = clock.perf_counter()
-        if asks_for_balance(record):
-            self.track_balance()
+        self._running_since = clock.perf_counter()
         try:
             return march(
                 self, until=until, every=every, record=record, progress=progress, output=output
             )
         finally:
-            self.run_seconds += clock.perf_counter() - started
+            self._seconds_before = self.run_seconds
+            self._running_since = None
 
     def save(self, path: str | Path) -> None:
         """Write the state now as a ``.vtu`` file; see ``record.write_vtu``."""
@@ -333,13 +385,26 @@ class Simulation:
         } | {"smoothing": repr(self.cloud.smoothing), "cfl": repr(self._time_step.cfl)}  # fmt: skip
         return common_identity(self.scene, self.cloud.X, self.cloud.V) | {"method": "SPH"} | options
 
+    def samples(self, times: Sequence[float]) -> Samples:
+        """What the scene's functions say at ``times`` [s], by which a checkpoint knows them."""
+        return self._sampler.at(times)
+
+    def totals(self) -> dict[str, float]:
+        """What the run has cost so far."""
+        return {"run_seconds": self.run_seconds}
+
+    def go_on(self, totals: dict[str, float]) -> None:
+        """Count on from the ``totals`` of an earlier part of the run."""
+        self._seconds_before += totals.get("run_seconds", 0.0)
+
     def state_arrays(self) -> dict[str, Any]:
         """The arrays that hold the state, and the account where one is kept."""
         arrays = dict(vars(self.state))
         account = self._stepper.account
         if isinstance(account, Account):
             totals = account.arrays() | self._watch.arrays() | {"energy": self._start_energy}
-            arrays |= {f"account.{name}": value for name, value in totals.items()}
+            totals["reaction_now"] = self._rhs.reaction
+            arrays |= {f"{ACCOUNT}{name}": value for name, value in totals.items()}
         return arrays
 
     def state_changed(self) -> None:
@@ -353,17 +418,18 @@ class Simulation:
         H = split(s.H) if f.evolves_H else cofactor(F)
         J = s.J if f.evolves_J else determinant(F)
         density = law.stored_energy(material, F, H, J)
+        X, V = read_only(self.cloud.X), read_only(self.cloud.V)
         return Snapshot(
             time=self.time,
             step=self.step,
             material=material,
-            mesh=self.cloud.mesh,
-            X=self.cloud.X,
-            V=self.cloud.V,
+            mesh=protected(self.cloud.mesh),
+            X=X,
+            V=V,
             x=s.x.copy(),
             velocity=s.p / material.density,
-            stress_X=self.cloud.X,
-            stress_V=self.cloud.V,
+            stress_X=X,
+            stress_V=V,
             F=s.F.copy(),
             J=np.array(J, copy=True),
             P=join(law.first_piola(material, F, H, J)),

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, fields, replace
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +14,14 @@ from sphsolid.geometry.cell_shape import HEXAHEDRON, TETRAHEDRON, CellShape
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
+AnyMesh = TypeVar("AnyMesh", bound="Mesh")
+
+
+def read_only(array: NDArray[Any]) -> NDArray[Any]:
+    """A view of ``array`` through which nobody writes."""
+    view = array.view()
+    view.flags.writeable = False
+    return view
 
 
 @dataclass(frozen=True)
@@ -98,6 +108,27 @@ class GridMesh(HexMesh):
     def widest(self) -> float:
         """The longest edge of the grid [m]."""
         return self.elongation * self.spacing
+
+
+def copied(mesh: AnyMesh) -> AnyMesh:
+    """The mesh with arrays of its own: for a caller who may do with them what he likes."""
+    return _with_arrays(mesh, np.copy)
+
+
+def protected(mesh: AnyMesh) -> AnyMesh:
+    """The mesh through views that nobody can write to."""
+    return _with_arrays(mesh, read_only)
+
+
+def _with_arrays(mesh: AnyMesh, change: Callable[[NDArray[Any]], NDArray[Any]]) -> AnyMesh:
+    made: dict[str, Any] = {}
+    for each in fields(mesh):
+        value = getattr(mesh, each.name)
+        if isinstance(value, np.ndarray):
+            made[each.name] = change(value)
+        elif isinstance(value, dict):
+            made[each.name] = {name: change(array) for name, array in value.items()}
+    return replace(mesh, **made)
 
 
 def hexahedra(mesh: Mesh, what: str) -> HexMesh:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import functools
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -24,7 +24,7 @@ from sphsolid.geometry.file_content import (
     FileContent,
 )
 from sphsolid.geometry.integrals import cell_volumes_and_centroids
-from sphsolid.geometry.mesh import HexMesh, TetMesh
+from sphsolid.geometry.mesh import HexMesh, TetMesh, copied
 from sphsolid.geometry.mesh_defects import (
     boundary_facets,
     refuse_bad_numbers,
@@ -33,6 +33,7 @@ from sphsolid.geometry.mesh_defects import (
 )
 from sphsolid.geometry.meshio_reading import read_gmsh, read_vtu
 from sphsolid.geometry.overlap import refuse_overlap
+from sphsolid.paths import path_of
 
 Indices = NDArray[np.int64]
 
@@ -82,7 +83,7 @@ class MeshFile:
     def __post_init__(self) -> None:
         """Refuse an unknown unit or file name extension."""
         require(
-            Path(self.path).suffix.lower() in READERS,
+            path_of(self.path).suffix.lower() in READERS,
             f"mesh file {self.path}: allowed extensions are {sorted(READERS)}; convert it "
             "(gmsh FILE -save -o NAME.msh, meshio convert)",
         )
@@ -100,11 +101,13 @@ class MeshFile:
 
     def read(self) -> Reading:
         """The mesh and what was left out of it; raises ``InputError`` for any defect."""
-        path = Path(self.path)
+        path = path_of(self.path)
         require(path.exists(), f"mesh file {path} does not exist (looked in {path.absolute()})")
         require(path.is_file(), f"mesh file {path} is not a file")
         stamp = path.stat()
-        return _read(path, self.metres, stamp.st_mtime_ns, stamp.st_size)
+        kept = _read(path, self.metres, stamp.st_mtime_ns, stamp.st_size)
+        # What is kept is read again by the next simulation, so nobody else may write to it.
+        return replace(kept, mesh=copied(kept.mesh))
 
     def mesh(self, spacing: Spacing) -> HexMesh | TetMesh:
         """The mesh of the file; raises ``InputError`` for a spacing, which the file has itself.

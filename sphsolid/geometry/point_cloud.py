@@ -12,9 +12,11 @@ from scipy.spatial import cKDTree
 
 from sphsolid.errors import InputError, require
 from sphsolid.geometry.body import AsMeshed, Spacing
+from sphsolid.geometry.mesh import copied
 from sphsolid.geometry.point_file import read_points
 from sphsolid.geometry.point_mesh import PointMesh, point_mesh
 from sphsolid.geometry.surface import Surface, metres
+from sphsolid.paths import path_of
 
 Array = NDArray[np.float64]
 #: Points nearer to the surface than this, over the local edge of its triangles, are left out.
@@ -80,7 +82,7 @@ class PointCloud:
             f"spacing = {spacing} m is asked of a PointCloud, which brings its own points: leave "
             "the spacing out, or use PointCloud.fill",
         )
-        return self._mesh
+        return copied(self._mesh)
 
     @property
     def volume(self) -> float:
@@ -97,7 +99,7 @@ class PointCloud:
     @cached_property
     def _mesh(self) -> PointMesh:
         if isinstance(self.points, str | Path):
-            given, name = read_points(Path(self.points)), str(self.points)
+            given, name = read_points(path_of(self.points)), str(self.points)
         else:
             given, name = np.asarray(self.points, dtype=np.float64), "points"
         points = metres(self.unit) * given

@@ -14,6 +14,7 @@ from sphsolid.errors import InputError, require
 from sphsolid.geometry.closed_surface import check_triangles, halves, joined, oriented
 from sphsolid.geometry.inside import Distance, distance_to_surface, winding_numbers
 from sphsolid.geometry.surface_file import UNNAMED, read_facets
+from sphsolid.paths import path_of
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
@@ -94,7 +95,7 @@ class Surface:
         merged.  Raises ``InputError`` for a file that cannot be read, and as :meth:`closed` does.
         """
         scale = metres(unit)
-        facets = read_facets(Path(path))
+        facets = read_facets(path_of(path))
         try:
             return cls.closed(
                 vertices=scale * facets.points, faces=facets.faces, merge=facets.merge

@@ -19,6 +19,7 @@ from sphsolid.record.recorders import (
 )
 from sphsolid.record.recovery import Recovery
 from sphsolid.record.run_folder import RunFolder
+from sphsolid.record.run_json import read_run
 from sphsolid.record.snapshot import PointField, Snapshot
 from sphsolid.record.solver import Solver
 from sphsolid.record.vtu import write_vtu
@@ -53,6 +54,7 @@ __all__ = [
     "march",
     "period_errors",
     "read_history",
+    "read_run",
     "restore",
     "write_checkpoint",
     "write_vtu",

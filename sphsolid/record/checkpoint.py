@@ -5,53 +5,85 @@ from __future__ import annotations
 import hashlib
 import json
 import zipfile
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from sphsolid.compiled import CACHE_DIR, description
+from sphsolid.compiled import KERNEL_HASH, description
 from sphsolid.errors import InputError
+from sphsolid.paths import path_of
 from sphsolid.record.atomic import atomic
+from sphsolid.record.samples import Samples, differences, instants
 from sphsolid.record.solver import Solver
 from sphsolid.scenes.scene import NoBodyForce, Scene
 
 Array = NDArray[np.float64]
-FORMAT = "sphsolid checkpoint 1"
+AnySolver = TypeVar("AnySolver", bound=Solver)
+FORMAT = "sphsolid checkpoint 2"
+#: Arrays of the account of energy and momentum begin with this.
+ACCOUNT = "account."
 
 
 @dataclass(frozen=True)
 class Checkpoint:
-    """What a file holds: ``records`` rows of the run's history had been taken by then."""
+    """What a file holds: ``records`` rows of the run's history had been taken by then.
+
+    ``samples`` of the problem's functions at ``instants`` [s] tell it from others; ``totals`` is
+    what the run had cost.
+    """
 
     time: float
     step: int
     records: int
     identity: dict[str, str]
     arrays: dict[str, NDArray[Any]]
+    instants: list[float] = field(default_factory=list)
+    samples: Samples = field(default_factory=dict)
+    totals: dict[str, float] = field(default_factory=dict)
+
+
+def checkpoint_of(solver: Solver, *, records: int = 0) -> Checkpoint:
+    """The complete state of a solver; its arrays are the solver's own."""
+    times = instants(solver.scene)
+    return Checkpoint(
+        time=float(solver.time),
+        step=solver.step,
+        records=records,
+        identity=solver.identity(),
+        arrays=solver.state_arrays(),
+        instants=times,
+        samples=solver.samples(times),
+        totals=solver.totals(),
+    )
 
 
 def write_checkpoint(solver: Solver, path: str | Path, *, records: int = 0) -> None:
     """Write the complete state; the file is whole or not there."""
+    made = checkpoint_of(solver, records=records)
     header = {
         "format": FORMAT,
         # In hexadecimal, so that the instant comes back as the same double.
-        "time": float(solver.time).hex(),
-        "step": solver.step,
+        "time": made.time.hex(),
+        "step": made.step,
         "records": records,
-        "identity": solver.identity(),
+        "identity": made.identity,
+        "instants": [time.hex() for time in made.instants],
+        "samples": {name: values.tolist() for name, values in made.samples.items()},
+        "totals": made.totals,
     }
-    arrays = {f"state.{name}": array for name, array in solver.state_arrays().items()}
-    with atomic(Path(path)) as part, part.open("wb") as file:
+    arrays = {f"state.{name}": array for name, array in made.arrays.items()}
+    with atomic(path_of(path)) as part, part.open("wb") as file:
         np.savez(file, header=np.array(json.dumps(header)), **arrays)  # type: ignore[arg-type]
 
 
 def read_checkpoint(path: str | Path) -> Checkpoint:
     """Read a file; raises ``InputError`` when it is missing, damaged or something else."""
     try:
-        with np.load(path, allow_pickle=False) as file:
+        with np.load(path_of(path), allow_pickle=False) as file:
             header = json.loads(str(file["header"]))
             if header["format"] != FORMAT:
                 raise InputError(f"{path} has the format {header['format']!r}, not {FORMAT!r}")
@@ -72,6 +104,9 @@ def read_checkpoint(path: str | Path) -> Checkpoint:
         records=int(header["records"]),
         identity=header["identity"],
         arrays=arrays,
+        instants=[float.fromhex(time) for time in header["instants"]],
+        samples={name: np.array(values) for name, values in header["samples"].items()},
+        totals=header["totals"],
     )
 
 
@@ -81,37 +116,72 @@ def restore(solver: Solver, path: str | Path) -> Checkpoint:
     Nothing is changed when the checkpoint does not fit: ``InputError`` names what differs.
     """
     checkpoint = read_checkpoint(path)
-    here = solver.identity()
-    differing = [
-        f"{key}: {checkpoint.identity.get(key, 'nothing')} there, {here.get(key, 'nothing')} here"
-        for key in sorted(here.keys() | checkpoint.identity.keys())
-        if here.get(key) != checkpoint.identity.get(key)
-    ]
+    what = f"checkpoint {path}"
+    differing = _other(solver.identity(), checkpoint.identity)
+    differing += differences(
+        checkpoint.samples, solver.samples(checkpoint.instants), checkpoint.instants
+    )
     if differing:
         raise InputError(
-            f"checkpoint {path} does not fit this simulation ({'; '.join(differing)}); build the "
+            f"{what} does not fit this simulation ({'; '.join(differing)}); build the "
             "simulation with the same scene, spacing and options, by the sources and libraries "
             "that wrote the checkpoint, or start the run anew"
         )
+    put_back(solver, checkpoint, what)
+    return checkpoint
+
+
+def rebuilt(
+    kind: Callable[..., AnySolver], scene: Scene, arguments: dict[str, Any], state: Checkpoint
+) -> AnySolver:
+    """A solver set up anew and put into ``state``: how a pickled simulation comes back."""
+    solver = kind(scene, **arguments)
+    if differing := _other(solver.identity(), state.identity):
+        raise InputError(f"the pickled simulation is of other sources ({'; '.join(differing)})")
+    put_back(solver, state, "the pickled simulation")
+    return solver
+
+
+def _other(here: dict[str, str], there: dict[str, str]) -> list[str]:
+    return [
+        f"{key}: {there.get(key, 'nothing')} there, {here.get(key, 'nothing')} here"
+        for key in sorted(here.keys() | there.keys())
+        if here.get(key) != there.get(key)
+    ]
+
+
+def put_back(solver: Solver, checkpoint: Checkpoint, what: str, *, counts: bool = True) -> None:
+    """Put ``solver`` into the state of ``checkpoint``, which must be its own or an equal one's.
+
+    With ``counts`` its totals go on from those of the checkpoint.  Raises ``InputError`` where the
+    arrays are not those of ``solver``, and changes nothing then.
+    """
     targets = solver.state_arrays()
+    if not any(name.startswith(ACCOUNT) for name in targets) and any(
+        name.startswith(ACCOUNT) for name in checkpoint.arrays
+    ):
+        # The account goes on, not one that begins here.
+        solver.track_balance()
+        targets = solver.state_arrays()
     for name, target in targets.items():
         found = checkpoint.arrays.get(name)
         if found is None or found.shape != target.shape or found.dtype != target.dtype:
             raise InputError(
-                f"checkpoint {path} holds no array {name!r} of shape {target.shape}; go on with "
+                f"{what} holds no array {name!r} of shape {target.shape}; go on with "
                 "the same recorders as before, or start the run anew"
             )
     for name, target in targets.items():
         target[...] = checkpoint.arrays[name]
     solver.time, solver.step = checkpoint.time, checkpoint.step
+    if counts:
+        solver.go_on(checkpoint.totals)
     solver.state_changed()
-    return checkpoint
 
 
 def common_identity(scene: Scene, X: Array, V: Array) -> dict[str, str]:
-    """What any method must agree on: problem, points, initial state, sources and libraries.
+    """What any method must agree on: problem, points, probes, sources and libraries.
 
-    Loads and constraints are functions of time, of which only the places are compared.
+    Loads, motions and initial data are functions, of which there are :mod:`samples`.
     """
     libraries = description()
     held = [f"{c.face} {c.direction} {type(c.velocity).__name__}" for c in scene.constraints]
@@ -124,11 +194,9 @@ def common_identity(scene: Scene, X: Array, V: Array) -> dict[str, str]:
         "constraints": ", ".join(held) or "none",
         "loads": ", ".join(loaded) or "none",
         "points": _hash(X, V),
-        "initial state": _hash(*scene.initial_state(X)),
-        # The name of the kernels' folder is the hash of the sources as they were imported.
-        "sources": CACHE_DIR.name,
+        "sources": KERNEL_HASH,
         "libraries": ", ".join(f"{k} {libraries[k]}" for k in ("numba", "llvmlite", "numpy")),
-    }
+    } | {f"probe {name}": f"X = {list(place)} m" for name, place in scene.probes.items()}
 
 
 def _hash(*arrays: Array) -> str:

@@ -12,6 +12,7 @@ from typing import Any
 import pandas as pd
 
 from sphsolid.errors import InputError
+from sphsolid.paths import path_of
 from sphsolid.record.atomic import atomic
 
 Row = dict[str, float]
@@ -30,7 +31,7 @@ class History:
 
     def to_csv(self, path: str | Path) -> None:
         """Write all rows with full double precision."""
-        self.table.to_csv(path, index=False, float_format="%.17g", na_rep="nan")
+        self.table.to_csv(path_of(path), index=False, float_format="%.17g", na_rep="nan")
 
     def __getitem__(self, column: str) -> Any:
         return self.table[column].to_numpy()
@@ -41,7 +42,7 @@ def read_history(path: str | Path) -> History:
 
     Raises ``InputError`` for a file that is not there or holds something else.
     """
-    return History.of(read_rows(Path(path)))
+    return History.of(read_rows(path_of(path)))
 
 
 def read_rows(path: Path) -> list[Row]:

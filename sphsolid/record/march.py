@@ -10,12 +10,20 @@ from sphsolid.record.history import History, Row, check_columns
 from sphsolid.record.interrupt import Interrupt, held_interrupt
 from sphsolid.record.output import NO_OUTPUT, Output, Sink, Task
 from sphsolid.record.progress import Pace, Progress
-from sphsolid.record.recorders import Recorder
+from sphsolid.record.recorders import Recorder, asks_for_balance
+from sphsolid.record.run_options import (
+    check_output,
+    check_progress,
+    check_times,
+    checked_recorders,
+)
 from sphsolid.record.snapshot import Snapshot
 from sphsolid.record.solver import Solver
 
 #: Share of a gap or a step within which two instants are the same.
 SAME = 1e-9
+#: Column from which a resumed run knows the energy that it began with.
+TOTAL_ENERGY = "total_energy [J]"
 
 
 def march(
@@ -42,8 +50,14 @@ def march(
     ahead, ``Diverged`` when the solution is lost; the history so far is attached to that exception,
     and to ``KeyboardInterrupt``, as ``history``.
     """
+    check_times(until, every)
+    record = checked_recorders(record)
+    check_progress(progress)
+    check_output(output)
     end = solver.scene.end_time if until is None else until
     require(every is None or 0.0 < every < math.inf, f"every = {every} s must be positive, finite")
+    if asks_for_balance(record):
+        solver.track_balance()
     rows = output.take_up(solver)
     if rows and solver.time == end:
         # Nothing is left to do but what a kill at the very end may have left undone.
@@ -53,7 +67,14 @@ def march(
         math.isfinite(end) and end > solver.time,
         f"until = {end} s is not after the present time {solver.time} s",
     )
-    pace = Pace(progress, start=solver.time, until=end, driven=solver.scene.is_driven)
+    began_with = rows[0].get(TOTAL_ENERGY, math.nan) if rows else math.nan
+    pace = Pace(
+        progress,
+        start=solver.time,
+        until=end,
+        driven=solver.scene.is_driven,
+        start_energy=began_with,
+    )
     return _Run(solver, record, output, rows, pace).go(end, every)
 
 

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from sphsolid.errors import InputError
 from sphsolid.record.snapshot import PointField, Snapshot
+from sphsolid.scenes.callbacks import asked
 from sphsolid.scenes.scene import ExactSolution
 
 Array = NDArray[np.float64]
@@ -31,8 +32,12 @@ def l2_norm(field: PointField) -> Array:
 def instant_errors(snapshot: Snapshot, exact: ExactSolution) -> dict[str, float]:
     """Relative L2 errors of one snapshot: ``p_x`` .. ``p_z`` and ``P_xx`` .. ``P_zz``."""
     momentum, stress = snapshot.field("p"), snapshot.field("P")
-    exact_momentum = snapshot.density * exact.velocity(momentum.X, snapshot.time)
-    exact_stress = exact.first_piola(stress.X, snapshot.time)
+    now = snapshot.time
+    velocity = asked(exact.velocity, momentum.X, what="velocity of the exact solution", t=now)
+    exact_momentum = snapshot.density * velocity
+    exact_stress = asked(
+        exact.first_piola, stress.X, what="first_piola of the exact solution", tensor=True, t=now
+    )
     p = l2_norm(PointField(momentum.X, momentum.V, momentum.values - exact_momentum))
     P = l2_norm(PointField(stress.X, stress.V, stress.values - exact_stress))
     errors = {f"p_{AXES[i]}": float(p[i] / exact.momentum_scale) for i in range(3)}

@@ -56,7 +56,8 @@ class Progress:
 class Pace:
     """Measures a run and tells ``told`` about it, if there is somebody to tell.
 
-    ``driven`` is that of the scene; ``now`` is the clock [s].
+    ``driven`` is that of the scene; ``start_energy`` [J] of the first record of a run that goes on,
+    nan if it is not known; ``now`` is the clock [s].
     """
 
     def __init__(
@@ -66,6 +67,7 @@ class Pace:
         start: float,
         until: float,
         driven: bool = False,
+        start_energy: float = math.nan,
         now: Callable[[], float] = clock.perf_counter,
     ) -> None:
         self._told, self._now = told, now
@@ -74,7 +76,7 @@ class Pace:
         self._paced_from: tuple[float, float, int] | None = None
         self._time, self._step, self._dt = start, 0, 0.0
         self._records = 0
-        self._start_energy = self._energy = math.nan
+        self._start_energy, self._energy = start_energy, math.nan
 
     @property
     def is_told(self) -> bool:

@@ -76,7 +76,9 @@ class Recovery:
         indices = np.concatenate(near).astype(np.int64)
         shares = np.empty(len(indices))
         spread = np.empty(len(count))
-        _shares(indptr, indices, field.X, field.V, reach, _TERMS[self.degree], shares, spread)
+        # Kernels are compiled for arrays that could be written to; a snapshot's cannot.
+        X, V = (np.require(array, requirements=("C", "W")) for array in (field.X, field.V))
+        _shares(indptr, indices, X, V, reach, _TERMS[self.degree], shares, spread)
         self._refuse(~(spread > _FLATNESS), field.X)
         out = np.empty_like(values)
         _sums(indptr, indices, shares, values, out)

@@ -6,6 +6,7 @@
     frames/*.vtu     the body at its records
     checkpoint.npz   the complete state at a record, from which a run goes on bit for bit
     manifest.txt     which of the files here are the run's
+    .sphsolid-lock   while a run writes here (see ``folder_lock``)
 
 A record is written in the order row, frame, collection, checkpoint.  A row is appended by one
 system call, every other file takes its place when it is complete, and the collection names a frame
@@ -19,19 +20,23 @@ import re
 from collections.abc import Sequence
 from dataclasses import KW_ONLY, dataclass
 from pathlib import Path
+from typing import Any
 
 from sphsolid.errors import InputError, require
+from sphsolid.paths import path_of
 from sphsolid.record.checkpoint import restore, write_checkpoint
+from sphsolid.record.folder_lock import FolderLock, refuse_in_use
 from sphsolid.record.history import HistoryFile, Row, read_rows
 from sphsolid.record.manifest import NAME as MANIFEST
 from sphsolid.record.manifest import Manifest
 from sphsolid.record.output import EVERY_RECORD, Every, Never, Sink, Task
-from sphsolid.record.run_json import RunJson
+from sphsolid.record.run_json import NAME as RUN
+from sphsolid.record.run_json import RunJson, earlier_run
 from sphsolid.record.snapshot import Snapshot
 from sphsolid.record.solver import Solver
 from sphsolid.record.vtu import write_pvd, write_vtu
 
-RUN, HISTORY, PVD, CHECKPOINT = "run.json", "history.csv", "frames.pvd", "checkpoint.npz"
+HISTORY, PVD, CHECKPOINT = "history.csv", "frames.pvd", "checkpoint.npz"
 FIXED = [PVD, CHECKPOINT, HISTORY, RUN]
 FRAMES = "frames"
 _FRAME = re.compile(FRAMES + r"/frame_(\d{6,})\.vtu")
@@ -55,6 +60,8 @@ class RunFolder:
     checkpoints: Every | Never = EVERY_RECORD
 
     def __post_init__(self) -> None:
+        """Refuse what is no path, and options that contradict each other."""
+        path_of(self.path)
         require(
             not (self.replace and self.resume),
             f"RunFolder({str(self.path)!r}): replace removes the run that resume would go on with; "
@@ -75,17 +82,18 @@ class RunFolder:
 
     def take_up(self, solver: Solver) -> list[Row]:
         """Restore ``solver`` from the folder's checkpoint when asked to; no file is changed."""
-        folder = Path(self.path)
+        folder = path_of(self.path)
         require(
             folder.is_dir() or not folder.exists(), f"{folder} is a file; name a folder for the run"
         )
+        refuse_in_use(folder)
         manifest = Manifest(folder)
         _refuse_foreign(manifest)
         if not manifest.exists or self.replace:
             return []
         require(
             self.resume,
-            f"{folder} already holds a run; choose another folder, or RunFolder(..., replace=True) "
+            f"{folder} already holds a run{_how_it_ended(folder)}; choose another folder, or RunFolder(..., replace=True) "
             "to remove that run's files first, or resume=True to go on from its checkpoint",
         )
         return _resume(folder, solver)
@@ -93,6 +101,11 @@ class RunFolder:
     def open(self, solver: Solver, task: Task, rows: Sequence[Row]) -> Sink:
         """Begin to write after ``rows``."""
         return _Writer(self, solver, task, rows)
+
+
+def _how_it_ended(folder: Path) -> str:
+    earlier = earlier_run(folder)
+    return f" ({earlier['status']})" if earlier else ""
 
 
 def _resume(folder: Path, solver: Solver) -> list[Row]:
@@ -130,10 +143,21 @@ class _Writer:
     def __init__(
         self, options: RunFolder, solver: Solver, task: Task, rows: Sequence[Row]
     ) -> None:
-        folder = Path(options.path)
+        folder = path_of(options.path)
         (folder / FRAMES).mkdir(parents=True, exist_ok=True)
         self._options, self._solver, self._folder = options, solver, folder
         self._records = len(rows)
+        # Read before the lock is ours: with it, a killed run would look alive.
+        earlier = earlier_run(folder)
+        self._lock = FolderLock(folder)
+        try:
+            self._begin(task, rows, earlier)
+        except BaseException:
+            self._lock.release()
+            raise
+
+    def _begin(self, task: Task, rows: Sequence[Row], earlier: dict[str, Any]) -> None:
+        folder = self._folder
         self._manifest = manifest = Manifest(folder)
         kept = {_frame(k): row["time [s]"] for k, row in enumerate(rows)}
         self._frames = [
@@ -150,7 +174,7 @@ class _Writer:
         )
         manifest.remove_parts()
         self._history = HistoryFile(manifest.add(HISTORY), keep=len(rows))
-        self._run = RunJson(manifest.add(RUN), solver, task)
+        self._run = RunJson(manifest.add(RUN), self._solver, task, earlier=earlier)
 
     def write(self, snapshot: Snapshot, row: Row, *, last: bool) -> None:
         """Row, frame, collection, checkpoint, in this order."""
@@ -169,8 +193,11 @@ class _Writer:
 
     def close(self, failure: BaseException | None) -> None:
         """Say how the run ended."""
-        self._history.close()
-        self._run.end(failure, records=self._records)
+        try:
+            self._history.close()
+            self._run.end(failure, records=self._records)
+        finally:
+            self._lock.release()
 
 
 def _frame(index: int) -> str:

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any, Protocol
 
 from numpy.typing import NDArray
 
+from sphsolid.record.samples import Samples
 from sphsolid.record.snapshot import Snapshot
 from sphsolid.scenes.scene import Scene
 
@@ -44,6 +46,23 @@ class Solver(Protocol):
 
     def identity(self) -> dict[str, str]:
         """What a checkpoint must agree on with the solver that takes it over."""
+        ...
+
+    def samples(self, times: Sequence[float]) -> Samples:
+        """What the problem's functions say at ``times`` [s]; see :mod:`~sphsolid.record.samples`.
+        """
+        ...
+
+    def totals(self) -> dict[str, float]:
+        """What the run has cost so far, for its summary."""
+        ...
+
+    def go_on(self, totals: dict[str, float]) -> None:
+        """Count on from the ``totals`` of an earlier part of the run."""
+        ...
+
+    def track_balance(self) -> None:
+        """Account for energy and momentum from now on."""
         ...
 
     def state_arrays(self) -> dict[str, NDArray[Any]]:

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sphsolid.errors import InputError
+from sphsolid.paths import path_of
 from sphsolid.record.atomic import atomic
 from sphsolid.record.snapshot import Snapshot
 
@@ -29,7 +30,7 @@ def write_vtu(snapshot: Snapshot, path: str | Path) -> None:
     the sign of ``pressure``, for whoever has only the file.  The file is whole or not there; an older one is replaced.
     Raises ``InputError`` for another suffix than ``.vtu`` or a folder that does not exist.
     """
-    target = Path(path)
+    target = path_of(path)
     if target.suffix != ".vtu":
         raise InputError(f"{target.name!r} does not end in .vtu, the one format that is written")
     if not target.parent.is_dir():

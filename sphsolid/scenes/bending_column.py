@@ -12,6 +12,7 @@ first peak.
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,6 +24,17 @@ from sphsolid.scenes.constraint import Constraint
 from sphsolid.scenes.scene import Scene
 
 LENGTH = 6.0
+
+
+@dataclass(frozen=True)
+class Sideways:
+    """``(gradient Y, 0, 0)`` [m/s], ``gradient`` [1/s]."""
+
+    gradient: float
+
+    def __call__(self, X: NDArray[np.float64]) -> NDArray[np.float64]:
+        """The velocity ``(n, 3)``."""
+        return np.stack([self.gradient * X[:, 1], *np.zeros((2, len(X)))], axis=1)
 
 
 def bending_column(
@@ -42,9 +54,6 @@ def bending_column(
         f"bending_column: velocity_gradient = {velocity_gradient} 1/s must be finite",
     )
 
-    def velocity(X: NDArray[np.float64]) -> NDArray[np.float64]:
-        return np.stack([velocity_gradient * X[:, 1], *np.zeros((2, len(X)))], axis=1)
-
     return Scene(
         name="bending_column",
         body=Box((-0.5, 0.0, -0.5), (0.5, LENGTH, 0.5)),
@@ -52,7 +61,7 @@ def bending_column(
             young_modulus=young_modulus, poisson_ratio=poisson_ratio, density=density
         ),
         end_time=end_time,
-        initial_velocity=velocity,
+        initial_velocity=Sideways(velocity_gradient),
         constraints=(Constraint("Y-", "all"),),
         probes={"top_centre": (0.0, LENGTH, 0.0), "top_corner": (0.5, LENGTH, 0.5)},
         provenance=(

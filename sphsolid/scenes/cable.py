@@ -78,6 +78,18 @@ Load = Step | Pulse
 
 
 @dataclass(frozen=True)
+class Pull:
+    """The traction ``s(t) stress N`` [Pa]."""
+
+    stress: float
+    load: Load
+
+    def __call__(self, X: Array, N: Array, t: float) -> Array:
+        """The traction ``(n, 3)``."""
+        return float(self.load.value(np.asarray(t))) * self.stress * N
+
+
+@dataclass(frozen=True)
 class BarWave:
     """d'Alembert's solution of the pulled bar.
 
@@ -193,9 +205,6 @@ def cable(
     )
     wave = BarWave(float(stress), load, length, width**2, young_modulus, density)
 
-    def pull(X: Array, N: Array, t: float) -> Array:
-        return float(load.value(np.asarray(t))) * stress * N
-
     sides = tuple(Constraint(face, "normal") for face in ("Y-", "Y+", "Z-", "Z+"))
     return Scene(
         name=f"cable_{type(load).__name__.lower()}",
@@ -203,7 +212,7 @@ def cable(
         material=material,
         end_time=wave.period,
         constraints=(Constraint("X-", "all"), *sides),
-        tractions=(Traction("X+", pull),),
+        tractions=(Traction("X+", Pull(stress, load)),),
         exact=wave,
         probes={
             "wall": (0.0, 0.0, 0.0),

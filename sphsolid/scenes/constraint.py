@@ -12,6 +12,8 @@ from numpy.typing import NDArray
 from sphsolid.errors import InputError
 from sphsolid.geometry.integrals import area_vectors
 from sphsolid.geometry.mesh import Mesh
+from sphsolid.scenes import checks
+from sphsolid.scenes.callbacks import asked
 
 Array = NDArray[np.float64]
 #: Velocity field ``v(X (n, 3), t) -> (n, 3)`` [m/s].
@@ -41,6 +43,10 @@ class Constraint:
     velocity: VelocityField = Fixed()
 
     def __post_init__(self) -> None:
+        """Refuse an unknown direction and a velocity that is no function."""
+        if not isinstance(self.face, str):
+            raise InputError(f"Constraint: face = {self.face!r} is not the name of a boundary tag")
+        checks.function(f"constraint on {self.face!r}: velocity", self.velocity, "lambda X, t")
         if self.direction not in ("normal", "tangential", "all"):
             raise InputError(
                 f"constraint on {self.face!r}: direction {self.direction!r} is not one of "
@@ -52,13 +58,18 @@ class Constraint:
 class EssentialPart:
     """One constraint ready to apply: ``v <- (I - Q_a) v + Q_a v_prescribed`` at ``particles``.
 
-    ``particles (n,)``; ``projector (n, 3, 3)`` orthogonal projectors ``Q_a``.  Projectors of
+    ``face`` is its boundary tag; ``particles (n,)``; ``projector (n, 3, 3)`` orthogonal projectors ``Q_a``.  Projectors of
     different parts at one particle are mutually orthogonal, so the order does not matter.
     """
 
+    face: str
     particles: NDArray[np.int64]
     projector: Array
     velocity: VelocityField
+
+    def prescribed(self, X: Array, t: float) -> Array:
+        """Checked velocity ``(n, 3)`` [m/s] at ``X (n, 3)``; see :func:`callbacks.asked`."""
+        return asked(self.velocity, X, what=f"prescribed velocity on {self.face}", t=t)
 
     @property
     def is_fixed(self) -> bool:
@@ -93,5 +104,5 @@ def essential_parts(constraints: tuple[Constraint, ...], mesh: Mesh) -> list[Ess
         kept = vector * (value > 1e-8)[:, None, :]
         projector = kept @ np.swapaxes(kept, 1, 2)
         taken[particles] += projector
-        parts.append(EssentialPart(particles, projector, constraint.velocity))
+        parts.append(EssentialPart(constraint.face, particles, projector, constraint.velocity))
     return parts

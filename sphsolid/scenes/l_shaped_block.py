@@ -19,6 +19,7 @@ closest to 388 (425), and 20 s.
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,6 +34,19 @@ Array = NDArray[np.float64]
 PUBLISHED_SPACING = 0.85
 #: Traction per second of ``eta`` [Pa/s].
 TRACTION_RATE = (150.0, 300.0, 450.0)
+
+
+@dataclass(frozen=True)
+class Kick:
+    """The traction ``sign eta(t) factor TRACTION_RATE`` [Pa], the same all over the face."""
+
+    factor: float
+    sign: float = 1.0
+
+    def __call__(self, X: Array, N: Array, t: float) -> Array:
+        """The traction ``(n, 3)``."""
+        rate = self.factor * np.array(TRACTION_RATE)
+        return self.sign * np.tile(load_history(t) * rate, (len(X), 1))
 
 
 def load_history(t: float) -> float:
@@ -59,14 +73,6 @@ def l_shaped_block(
         math.isfinite(load_factor),
         f"l_shaped_block: load_factor = {load_factor} must be finite; 1 is the published load",
     )
-    rate = load_factor * np.array(TRACTION_RATE)
-
-    def pull(X: Array, N: Array, t: float) -> Array:
-        return np.tile(load_history(t) * rate, (len(X), 1))
-
-    def push(X: Array, N: Array, t: float) -> Array:
-        return -pull(X, N, t)
-
     return Scene(
         name="l_shaped_block",
         body=Blocks(
@@ -78,7 +84,7 @@ def l_shaped_block(
             young_modulus=young_modulus, poisson_ratio=poisson_ratio, density=density
         ),
         end_time=end_time,
-        tractions=(Traction("X+", pull), Traction("Y+", push)),
+        tractions=(Traction("X+", Kick(load_factor)), Traction("Y+", Kick(load_factor, -1.0))),
         probes={
             "origin": (0.0, 0.0, 0.0),
             "long_end": (0.0, 10.0, 0.0),

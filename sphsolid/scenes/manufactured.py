@@ -39,7 +39,7 @@ def manufactured_body_force(
 ) -> Array:
     """``f0 (n, 3)`` [N/m^3] of the standing wave whose amplitude is ``U0 cos(w t)`` now [m]."""
     force = np.empty_like(X)
-    _body_force(material, np.ascontiguousarray(X), amplitude_now, coefficients, frequency, force)
+    _body_force(material, np.require(X, requirements=("C", "W")), amplitude_now, coefficients, frequency, force)
     return force
 
 

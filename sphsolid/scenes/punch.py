@@ -27,7 +27,7 @@ from sphsolid.continuum.neo_hookean import NeoHookean
 from sphsolid.errors import InputError, require
 from sphsolid.geometry.body import Body, Box, Region, Tagged
 from sphsolid.scenes.constraint import Constraint
-from sphsolid.scenes.scene import Scene, VectorField
+from sphsolid.scenes.scene import Scene
 
 Array = NDArray[np.float64]
 LENGTH, DEPTH, HEIGHT = 1.0, 0.1, 0.5
@@ -76,6 +76,18 @@ class InitialVelocity:
         """Which points ``(n,)`` get the velocity."""
         inside = UpTo(self.limit)(X)
         return inside & (X[:, 2] >= HEIGHT - 1.0e-9) if self.where == "top" else inside
+
+
+@dataclass(frozen=True)
+class PressedDown:
+    """The velocity in the region of ``press``, zero elsewhere."""
+
+    press: InitialVelocity
+    velocity: Downward
+
+    def __call__(self, X: Array) -> Array:
+        """The velocity ``(n, 3)``."""
+        return np.where(self.press.region(X)[:, None], self.velocity(X), 0.0)
 
 
 @dataclass(frozen=True)
@@ -130,11 +142,11 @@ def punch(
     require(math.isfinite(speed), f"punch: speed = {speed} m/s must be finite")
     body = block(jitter=jitter, seed=seed) if body is None else _checked(body, jitter)
     if isinstance(press, InitialVelocity):
-        initial, constraints = _inside(press, Downward(speed)), ROLLERS
+        initial, constraints = PressedDown(press, Downward(speed)), ROLLERS
     elif isinstance(press, HeldVelocity):
         body = Tagged(body, (Region("pressed", "Z+", UpTo(press.limit)),))
         on_top = InitialVelocity(press.limit, where="top")
-        initial = _inside(on_top, Downward(speed))
+        initial = PressedDown(on_top, Downward(speed))
         # First, so that along its edges the punch and not a roller says what moves.
         constraints = (Constraint("pressed", press.direction, Downward(speed)), *ROLLERS)
     else:
@@ -186,8 +198,3 @@ def _checked(body: Body, jitter: float) -> Body:
         f"cloud of the block, {LENGTH:g} x {DEPTH:g} x {HEIGHT:g} m from the origin (check units)",
     )
     return body
-
-
-def _inside(press: InitialVelocity, velocity: Downward) -> VectorField:
-    """The velocity in the region, zero elsewhere."""
-    return lambda X: np.where(press.region(X)[:, None], velocity(X), 0.0)

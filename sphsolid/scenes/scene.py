@@ -12,6 +12,8 @@ from numpy.typing import NDArray
 from sphsolid.continuum.check_law import require_law
 from sphsolid.errors import InputError, require
 from sphsolid.geometry.body import Body
+from sphsolid.scenes import checks
+from sphsolid.scenes.callbacks import asked
 from sphsolid.scenes.constraint import Constraint, Fixed
 
 Array = NDArray[np.float64]
@@ -83,6 +85,16 @@ class Traction:
     face: str
     value: Callable[[Array, Array, float], Array]
 
+    def __post_init__(self) -> None:
+        """Refuse a value that is no function."""
+        if not isinstance(self.face, str):
+            raise InputError(f"Traction: face = {self.face!r} is not the name of a boundary tag")
+        checks.function(f"traction on {self.face!r}: value", self.value, "lambda X, N, t")
+
+    def at(self, X: Array, N: Array, t: float) -> Array:
+        """Checked ``t_B (n, 3)`` [Pa]; see :func:`callbacks.asked`."""
+        return asked(self.value, X, N, what=f"traction on {self.face}", t=t)
+
 
 def at_rest(X: Array) -> Array:
     """Zero initial velocity or displacement ``(n, 3)``."""
@@ -112,18 +124,30 @@ class Scene:
     provenance: str = ""
 
     def __post_init__(self) -> None:
+        """Refuse what is no part of a problem; lists become tuples."""
+        scene = f"scene {self.name!r}"
+        if not isinstance(self.name, str):
+            raise InputError(f"{scene}: the name of a scene is a string")
         require(
-            np.isfinite(self.end_time) and self.end_time > 0.0,
-            f"scene {self.name!r}: end_time = {self.end_time} s must be positive and finite",
+            checks.number(f"{scene}: end_time", self.end_time, "s") > 0.0,
+            f"{scene}: end_time = {self.end_time} s must be positive and finite",
         )
-        require_law(self.material, f"scene {self.name!r}: material")
-        for name in ("mu", "kappa", "density"):
-            value = getattr(self.material, name, None)
-            require(
-                isinstance(value, int | float | np.number) and np.isfinite(value) and value > 0.0,
-                f"scene {self.name!r}: material {name} = {value} must be positive and finite; "
-                "build the material with its from_young(...)",
-            )
+        checks.body(f"{scene}: body", self.body)
+        require_law(self.material, f"{scene}: material")
+        checks.material(f"{scene}: material", self.material)
+        for name in ("initial_displacement", "initial_velocity"):
+            checks.function(f"{scene}: {name}", getattr(self, name), "lambda X")
+        if not isinstance(self.initial_deformation_gradient, FromGeometry):
+            what = f"{scene}: initial_deformation_gradient"
+            checks.function(what, self.initial_deformation_gradient, "lambda X")
+        if not isinstance(self.body_force, NoBodyForce):
+            checks.function(f"{scene}: body_force", self.body_force, "lambda X, t")
+        for name, made in (
+            ("constraints", checks.members("constraints", self.constraints, Constraint)),
+            ("tractions", checks.members("tractions", self.tractions, Traction)),
+            ("probes", checks.probes(scene, self.probes)),
+        ):
+            object.__setattr__(self, name, made)
 
     @property
     def is_driven(self) -> bool:
@@ -133,24 +157,25 @@ class Scene:
 
     def initial_state(self, X: Array) -> tuple[Array, Array]:
         """Checked initial displacement [m] and velocity [m/s] at ``X (n, 3)``."""
-        state = []
-        for what, function in (
-            ("initial_displacement", self.initial_displacement),
-            ("initial_velocity", self.initial_velocity),
-        ):
-            value = np.asarray(function(X), dtype=float)
-            if value.shape != X.shape:
-                raise InputError(
-                    f"scene {self.name!r}: {what} returned shape {value.shape}, expected {X.shape}"
-                )
-            bad = np.flatnonzero(~np.isfinite(value).all(axis=1))
-            if len(bad):
-                raise InputError(
-                    f"scene {self.name!r}: {what} is not finite at {len(bad)} of {len(X)} points, "
-                    f"the first at X = {X[bad[0]].tolist()} m; give finite initial data"
-                )
-            state.append(value)
-        return state[0], state[1]
+        return (
+            asked(self.initial_displacement, X, what=self._named("initial_displacement")),
+            asked(self.initial_velocity, X, what=self._named("initial_velocity")),
+        )
+
+    def stated_deformation(self, X: Array) -> Array:
+        """Checked initial ``F (n, 3, 3)`` of a scene that states one."""
+        given = self.initial_deformation_gradient
+        assert not isinstance(given, FromGeometry)
+        return asked(given, X, what=self._named("initial_deformation_gradient"), tensor=True)
+
+    def body_force_at(self, X: Array, t: float) -> Array:
+        """Checked ``f0 (n, 3)`` [N/m^3] of a scene that has a body force."""
+        force = self.body_force
+        assert not isinstance(force, NoBodyForce)
+        return asked(force, X, what=self._named("body_force"), t=t)
+
+    def _named(self, callback: str) -> str:
+        return f"scene {self.name!r}: {callback}"
 
     def known_solution(self) -> ExactSolution:
         """The exact solution, or ``InputError`` where a scene has none."""
@@ -165,3 +190,10 @@ class Scene:
                 "rigid motion and errors are not defined; constrain it as its exact solution does"
             )
         return self.exact
+
+
+def check_scene(scene: object) -> None:
+    """Raise ``InputError`` unless ``scene`` is a :class:`Scene`, not what makes one."""
+    if not isinstance(scene, Scene):
+        made = f"; call it: {getattr(scene, '__name__', 'scene')}(...)" if callable(scene) else ""
+        raise InputError(f"scene = {scene!r} is not a Scene{made}")

@@ -16,6 +16,7 @@ its twisting column (E, rho0) with nu = 0.45, and the length of the run.
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,6 +25,17 @@ from sphsolid.continuum.neo_hookean import NeoHookean
 from sphsolid.errors import require
 from sphsolid.geometry.body import Box
 from sphsolid.scenes.scene import Scene
+
+
+@dataclass(frozen=True)
+class Spin:
+    """``Omega (-Y, X, 0)`` [m/s], ``Omega`` the ``angular_velocity`` [rad/s]."""
+
+    angular_velocity: float
+
+    def __call__(self, X: NDArray[np.float64]) -> NDArray[np.float64]:
+        """The velocity ``(n, 3)``."""
+        return self.angular_velocity * np.stack([-X[:, 1], X[:, 0], np.zeros(len(X))], axis=1)
 
 
 def spinning_cube(
@@ -50,9 +62,6 @@ def spinning_cube(
         f"spinning_cube: turns = {turns} must be positive and finite",
     )
 
-    def velocity(X: NDArray[np.float64]) -> NDArray[np.float64]:
-        return angular_velocity * np.stack([-X[:, 1], X[:, 0], np.zeros(len(X))], axis=1)
-
     return Scene(
         name="spinning_cube",
         body=Box((-0.5, -0.5, -0.5), (0.5, 0.5, 0.5), jitter=jitter, seed=seed),
@@ -60,7 +69,7 @@ def spinning_cube(
             young_modulus=young_modulus, poisson_ratio=poisson_ratio, density=density
         ),
         end_time=turns * 2.0 * math.pi / abs(angular_velocity),
-        initial_velocity=velocity,
+        initial_velocity=Spin(angular_velocity),
         probes={"corner": (0.5, 0.5, 0.5), "face_centre": (0.5, 0.0, 0.0)},
         provenance=(
             "Not in [Lee2017]; a common conservation test. Chosen: E and rho0 of the twisting "

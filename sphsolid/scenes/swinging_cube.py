@@ -18,6 +18,7 @@ motion implies are applied (see ``manufactured``).
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Literal
 
@@ -142,6 +143,17 @@ def amplitude_of_gradient(family: Family, largest_gradient: float) -> float:
     return largest_gradient / (0.5 * math.pi * max(abs(c) for c in COEFFICIENTS[family]))
 
 
+@dataclass(frozen=True)
+class AtStart:
+    """A field of the wave at ``t = 0``."""
+
+    field: Callable[[Array, float], Array]
+
+    def __call__(self, X: Array) -> Array:
+        """Its values at ``X (n, 3)``."""
+        return self.field(X, 0.0)
+
+
 def swinging_cube(
     *,
     family: Family = "A+B+C=0",
@@ -189,9 +201,9 @@ def swinging_cube(
         body=Box(jitter=jitter, seed=seed),
         material=material,
         end_time=wave.period,
-        initial_displacement=lambda X: wave.displacement(X, 0.0),
-        initial_velocity=lambda X: wave.velocity(X, 0.0),
-        initial_deformation_gradient=lambda X: wave.deformation_gradient(X, 0.0),
+        initial_displacement=AtStart(wave.displacement),
+        initial_velocity=AtStart(wave.velocity),
+        initial_deformation_gradient=AtStart(wave.deformation_gradient),
         constraints=rollers + skew,
         tractions=tuple(Traction(face, wave.traction) for face in loaded),
         body_force=wave.body_force if manufactured else NoBodyForce(),

@@ -7,6 +7,8 @@ A 1 x 6 x 1 m column along Y, clamped at its base, starts with the angular veloc
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -17,6 +19,18 @@ from sphsolid.scenes.constraint import Constraint
 from sphsolid.scenes.scene import Scene
 
 LENGTH = 6.0
+
+
+@dataclass(frozen=True)
+class Twist:
+    """``w0 x X`` [m/s] with the angular velocity of the module's docstring, ``Omega`` [rad/s]."""
+
+    angular_velocity: float
+
+    def __call__(self, X: NDArray[np.float64]) -> NDArray[np.float64]:
+        """The velocity ``(n, 3)``."""
+        spin = self.angular_velocity * np.sin(0.5 * np.pi * X[:, 1] / LENGTH)
+        return np.stack([spin * X[:, 2], np.zeros(len(X)), -spin * X[:, 0]], axis=1)
 
 
 def twisting_column(
@@ -33,10 +47,6 @@ def twisting_column(
         f"twisting_column: angular_velocity = {angular_velocity} rad/s must be finite",
     )
 
-    def velocity(X: NDArray[np.float64]) -> NDArray[np.float64]:
-        spin = angular_velocity * np.sin(0.5 * np.pi * X[:, 1] / LENGTH)
-        return np.stack([spin * X[:, 2], np.zeros(len(X)), -spin * X[:, 0]], axis=1)
-
     return Scene(
         name="twisting_column",
         body=Box(lower=(-0.5, 0.0, -0.5), upper=(0.5, LENGTH, 0.5)),
@@ -44,7 +54,7 @@ def twisting_column(
             young_modulus=young_modulus, poisson_ratio=poisson_ratio, density=density
         ),
         end_time=end_time,
-        initial_velocity=velocity,
+        initial_velocity=Twist(angular_velocity),
         constraints=(Constraint("Y-", "all"),),
         probes={"top_centre": (0.0, LENGTH, 0.0), "top_corner": (0.5, LENGTH, 0.5)},
         provenance="Published: everything but the sense of rotation [Lee2017 section 8.3].",

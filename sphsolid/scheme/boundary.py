@@ -7,7 +7,6 @@ from numpy.typing import NDArray
 
 from sphsolid.cloud.cloud import Cloud
 from sphsolid.compiled import kernel, prange
-from sphsolid.errors import InputError
 from sphsolid.scenes.constraint import essential_parts
 from sphsolid.scenes.scene import NoBodyForce, Scene
 
@@ -64,21 +63,14 @@ class Loads:
     def at(self, t: float) -> tuple[Array, Array]:
         """``E_a`` and ``f0_a`` ``(N, 3)`` [N/m^3] at time ``t``; do not write into them."""
         if t != self._at:
-            force = self._scene.body_force
-            if not isinstance(force, NoBodyForce):
-                self._body = self._checked(force(self._X, t), "body_force", t)
+            if self.has_body_force:
+                self._body = self._scene.body_force_at(self._X, t)
             self._total = self._body.copy()
             for traction, particles, normal, per_volume in self._patches:
-                value = traction.value(self._X[particles], normal, t)
-                value = self._checked(value, f"traction on {traction.face}", t)
+                value = traction.at(self._X[particles], normal, t)
                 self._total[particles] += per_volume * value
             self._at = t
         return self._total, self._body
-
-    def _checked(self, value: Array, what: str, t: float) -> Array:
-        if not np.all(np.isfinite(value)):
-            raise InputError(f"scene {self._scene.name!r}: {what} is not finite at t = {t:.6g} s")
-        return value
 
 
 class EssentialConditions:
@@ -90,8 +82,7 @@ class EssentialConditions:
         self._moving = [
             (part, cloud.X[part.particles]) for part in parts if not part.is_fixed
         ]
-        faces = [constraint.face for constraint in scene.constraints]
-        self._parts = list(zip(faces, parts, strict=True))
+        self._parts = parts
         constrained = [part.particles for part in parts]
         self.particles = np.unique(np.concatenate(constrained)) if parts else np.zeros(0, np.int64)
         taken = np.zeros((cloud.size, 3, 3))
@@ -105,16 +96,16 @@ class EssentialConditions:
         """Set the constrained components of ``p (N, 3)`` to ``rho0`` times their velocity."""
         self.release(p)
         for part, X in self._moving:
-            v = part.velocity(X, t)
+            v = part.prescribed(X, t)
             p[part.particles] += self._density * np.einsum("nij,nj->ni", part.projector, v)
 
     def by_face(self, reaction: Array) -> dict[str, Array]:
         """Sum over a constrained face of its share of ``reaction (n, 3)`` at ``particles``."""
         sums: dict[str, Array] = {}
-        for face, part in self._parts:
+        for part in self._parts:
             rows = np.searchsorted(self.particles, part.particles)
             share = np.einsum("nij,nj->i", part.projector, reaction[rows])
-            sums[face] = sums.get(face, np.zeros(3)) + share
+            sums[part.face] = sums.get(part.face, np.zeros(3)) + share
         return sums
 
     def reaction(self, rate: Array, out: Array) -> None:

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from sphsolid.cloud.cloud import Cloud
 from sphsolid.continuum.tensor import cofactor, determinant, join, split
 from sphsolid.errors import InputError
-from sphsolid.scenes.scene import FromGeometry, Scene
+from sphsolid.scenes.scene import Scene
 from sphsolid.scheme.equilibrium import equilibrated
 from sphsolid.scheme.initial_strain import Equilibrated, Given, InitialStrain
 from sphsolid.scheme.right_hand_side import RightHandSide, State
@@ -48,15 +48,7 @@ def initial_state(scene: Scene, rhs: RightHandSide, strain: InitialStrain) -> St
 
 
 def _stated(scene: Scene, cloud: Cloud) -> Array:
-    given = scene.initial_deformation_gradient
-    assert not isinstance(given, FromGeometry)
-    stated = np.asarray(given(cloud.X), dtype=float)
-    expected = (cloud.size, 3, 3)
-    if stated.shape != expected:
-        raise InputError(
-            f"scene {scene.name!r}: initial_deformation_gradient returned shape "
-            f"{stated.shape}, expected {expected}"
-        )
+    stated = scene.stated_deformation(cloud.X)
     _check(scene, cloud, stated)
     return stated
 

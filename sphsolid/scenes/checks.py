@@ -1,0 +1,90 @@
+"""What a problem statement must be made of, refused in one sentence where it is not."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from numbers import Real
+from typing import Any, TypeVar
+
+import numpy as np
+
+from sphsolid.errors import InputError, require
+
+Member = TypeVar("Member")
+
+
+def number(what: str, value: object, unit: str) -> float:
+    """``value`` as it is, if it is a finite real number; raises ``InputError`` otherwise."""
+    if isinstance(value, bool) or not isinstance(value, Real):
+        raise InputError(f"{what} = {value!r} is not a number; give it in {unit}")
+    require(math.isfinite(value), f"{what} = {value} {unit} must be finite")
+    return value  # type: ignore[return-value]
+
+
+def function(what: str, value: object, call: str) -> None:
+    """Raises ``InputError`` unless ``value`` can be called; ``call`` shows how."""
+    if isinstance(value, type):
+        raise InputError(f"{what} = {value.__name__} is a class; make an object of it")
+    if not callable(value):
+        raise InputError(
+            f"{what} = {value!r} is not a function; for a constant write "
+            f"{call}: np.tile([0.0, 0.0, 1.0], (len(X), 1))"
+        )
+
+
+def members(what: str, value: object, kind: type[Member]) -> tuple[Member, ...]:
+    """A list or tuple of ``kind`` as a tuple; raises ``InputError`` for anything else."""
+    name = kind.__name__
+    if isinstance(value, kind):
+        raise InputError(f"{what} is a lone {name}; put it into a tuple: {what}=({name}(...),)")
+    if not isinstance(value, list | tuple):
+        raise InputError(f"{what} = {value!r} is not a tuple of {name}(...)")
+    for each in value:
+        if not isinstance(each, kind):
+            raise InputError(f"{what} holds {each!r}, which is no {name}; give {name}(...)")
+    return tuple(value)
+
+
+def probes(what: str, value: object) -> dict[str, tuple[float, float, float]]:
+    """Names and places [m] of probes, checked and copied."""
+    if not isinstance(value, Mapping):
+        raise InputError(f'{what} = {value!r} is not a dict of points: {{"tip": (0.0, 0.0, 1.0)}}')
+    checked = {}
+    for name, place in value.items():
+        try:
+            point = np.asarray(place, dtype=float)
+        except (TypeError, ValueError):
+            point = np.zeros(0)
+        if not isinstance(name, str) or point.shape != (3,) or not np.isfinite(point).all():
+            raise InputError(
+                f"{what}: probe {name!r} at {place!r}; wanted are a name and three finite "
+                "coordinates [m] of the undeformed body"
+            )
+        checked[name] = (float(point[0]), float(point[1]), float(point[2]))
+    return checked
+
+
+def body(what: str, value: Any) -> None:
+    """Raises ``InputError`` unless ``value`` is an object that can be meshed."""
+    if isinstance(value, type) or not callable(getattr(value, "mesh", None)):
+        raise InputError(
+            f"{what} = {value!r} is no body; use Box(...), Blocks(...), MeshFile(path) or "
+            "PointCloud(...)"
+        )
+
+
+def material(what: str, value: Any) -> None:
+    """Raises ``InputError`` unless ``value`` is an object with positive moduli and density."""
+    for name in ("mu", "kappa", "density"):
+        if isinstance(value, type) or not hasattr(value, name):
+            raise InputError(
+                f"{what} = {value!r} is no material (it has no {name}); use "
+                "NeoHookean.from_young(...) or MooneyRivlin.from_young(...)"
+            )
+        modulus = number(f"{what} {name}", getattr(value, name), "SI units")
+        require(
+            modulus > 0.0,
+            f"{what} {name} = {modulus} must be positive and finite; "
+            "build the material with its from_young(...)",
+        )
