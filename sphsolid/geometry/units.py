@@ -51,8 +51,4 @@ def unit_question(extent: tuple[float, float, float]) -> str:
     if max(extent) <= LARGE:
         return ""
     size = " x ".join(f"{length:.4g}" for length in extent)
-    small = " x ".join(f"{1.0e-3 * length:.4g}" for length in extent)
-    return (
-        f"the body is {size} m; if the file is in millimetres say unit='mm' (--unit mm) and it is "
-        f"{small} m; if it is in metres say unit='m' (--unit m)"
-    )
+    return f"the body is {size} m; if the file is in millimetres say unit='mm' (--unit mm)"
