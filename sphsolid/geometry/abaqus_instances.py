@@ -25,9 +25,11 @@ def moved(where: str, card: Card, points: Array) -> Array:
     Raises ``InputError`` for other lines, or an axis without a direction.
     """
     try:
-        rows = [[number(word) for word in row.rstrip(",").split(",")] for row in card.data]
+        rows = [[number(word) for word in row.removesuffix(",").split(",")] for row in card.data]
     except ValueError as error:
         raise InputError(f"{where}: its shift or turn cannot be read ({error})") from error
+    if rows:
+        rows[0] += [0.0] * (3 - len(rows[0]))  # what is left out at the end is zero
     require(
         len(rows) <= 2 and all(len(row) == size for row, size in zip(rows, (3, 7), strict=False)),
         f"{where}: its lines must be a shift of three numbers and a turn of seven, got {card.data}",
