@@ -6,35 +6,21 @@ order, loses sets that are given in parts, and gives some the elements of others
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
 from sphsolid.errors import InputError, require
-from sphsolid.geometry.abaqus_cards import Card, cards
-from sphsolid.geometry.abaqus_elements import Elements, elements_of
-from sphsolid.geometry.file_content import SURFACE_CORNERS, Block, FileContent
+from sphsolid.geometry.abaqus_cards import Card, read_cards
+from sphsolid.geometry.abaqus_keywords import understood
+from sphsolid.geometry.abaqus_model import Model, refuse_structures
+from sphsolid.geometry.abaqus_scope import ElementTable, Scope
+from sphsolid.geometry.abaqus_skipped import NOT_READ_BUT_SAID
+from sphsolid.geometry.file_content import BODY_CELLS, SURFACE_CORNERS, Block, FileContent
 
 Indices = NDArray[np.int64]
-
-#: Keywords that make, move or fetch nodes and elements, which is not followed here.
-_GENERATORS = ("NGEN", "NFILL", "NCOPY", "NMAP", "ELGEN", "ELCOPY", "SYSTEM", "INCLUDE")
-
-
-@dataclass
-class _Input:
-    """All that has been read: sets and names are found whatever their case."""
-
-    ids: Indices = field(default_factory=lambda: np.zeros(0, np.int64))
-    points: NDArray[np.float64] = field(default_factory=lambda: np.zeros((0, 3)))
-    elements: list[Elements] = field(default_factory=list)
-    nsets: dict[str, Indices] = field(default_factory=dict)
-    elsets: dict[str, Indices] = field(default_factory=dict)
-    #: Names of the element sets of ``*ELSET``, not of ``*ELEMENT`` lines.
-    explicit: list[str] = field(default_factory=list)
-    surfaces: dict[str, list[tuple[str, Indices]]] = field(default_factory=dict)
+Rows = list[tuple[str, Indices]]
 
 
 def read_abaqus(path: Path) -> FileContent:
@@ -42,174 +28,129 @@ def read_abaqus(path: Path) -> FileContent:
 
     Tags: each element-based ``*SURFACE``, each ``*ELSET`` with surface elements (shells,
     membranes, plane elements), and, where neither names a surface element, the ``ELSET`` of its
-    ``*ELEMENT`` line.  ``*NSET`` become node sets.  Sets may be given in parts, by numbers,
-    ``GENERATE`` or other sets.  Raises ``InputError``, with the line, for what is malformed,
-    for unknown element types, numbers given twice and for input that generates or moves nodes.
+    ``*ELEMENT`` line.  ``*NSET`` and surfaces of nodes become node sets.  Sets may be given in
+    parts, by numbers, ``GENERATE`` or other sets, before or after those.  Names of a part are
+    those of the file where it has one instance, else ``INSTANCE.NAME``.  What is read of each
+    keyword stands in ``abaqus_keywords``.  Raises ``InputError``, with the line, for what is
+    malformed, for keywords, parameters and element types that are not read and change the mesh,
+    and for numbers given twice.
     """
-    lines = list(cards(path))
-    text = path.read_bytes()
-    last = 1 + text.count(b"\n")
-    require(
-        text.endswith(b"\n"),
-        f"{path} is truncated: it ends in the middle of line {last}; copy or write it again, or "
-        "end it with a line break if it is complete",
-    )
-    require(len(lines) > 0, f"{path} is not an Abaqus input file: it has no *KEYWORD lines")
-    found = _Input()
-    for card in lines:
+    file = read_cards(path)
+    require(len(file.cards) > 0, f"{path} is not an Abaqus input file: it has no *KEYWORD lines")
+    model = Model(path)
+    last: Card | None = None
+    skipped: dict[str, str] = {}
+    for card in file.cards:
         where = f"{path}, line {card.line}, *{card.keyword}"
         try:
-            _take(where, card, found)
-        except InputError:
+            last = understood(where, card)
+            if last is not None:
+                model.take(where, last)
+            elif card.keyword in NOT_READ_BUT_SAID:
+                skipped[card.keyword] = NOT_READ_BUT_SAID[card.keyword]
+        except InputError as error:
+            if file.unended and card is file.cards[-1]:
+                raise _cut(path, file.lines) from error
             raise
-        except (ValueError, IndexError, KeyError) as error:
+        except ValueError as error:
             raise InputError(
-                f"{where}: its parameters or data cannot be read ({type(error).__name__}: "
-                f"{error}); the file is truncated or damaged"
+                f"{where}: its parameters or data cannot be read ({error}); numbers are wanted, "
+                "with commas between them"
             ) from error
-    tags = dict(found.surfaces)
-    named = np.zeros(0, np.int64)
-    for name in found.explicit:
-        if not (rows := _surface_elements(found, found.elsets[name])):
-            continue
-        named = np.union1d(named, found.elsets[name])
-        tags.setdefault(name, rows)
-    for name in found.elsets:
-        rest = np.setdiff1d(found.elsets[name], named)
-        if name not in found.explicit and (rows := _surface_elements(found, rest)):
-            tags.setdefault(name, rows)
+    scope, points, table = model.scopes()
+    if file.unended and last is not None:
+        _refuse_cut(path, file.lines, last, points, table)
+    parts = [inner.part for inner in (*scope.instances.values(), scope)]
+    refuse_structures(path, parts, table, len(points))
+    notes = [f"*{keyword} is not read: {what}" for keyword, what in skipped.items()]
+    left_out: dict[str, int] = {}
+    for part in parts:
+        for _, block in part.elements:
+            if block.left_out:
+                left_out[block.name] = left_out.get(block.name, 0) + len(block.ids)
+    notes += [f"{n} elements {name} are not read" for name, n in left_out.items()]
     return FileContent(
-        found.points,
-        _blocks(path, found.ids, [(e.kind, e.nodes) for e in found.elements if e.kind != "line"]),
-        {name: _blocks(path, found.ids, rows) for name, rows in tags.items()},
-        {name: _place(path, found.ids, nodes) for name, nodes in found.nsets.items()},
+        points,
+        _blocks([row for row in zip(table.kinds, table.nodes, strict=True) if row[0] != "line"]),
+        {name: _blocks(rows) for name, rows in _tags(scope, table).items()},
+        _node_sets(scope, table),
+        notes=tuple(f"{path}: {note}" for note in notes),
+        way_out="mesh it in 3D with elements such as C3D8 or C3D4, and write them into this file",
     )
 
 
-def _take(where: str, card: Card, found: _Input) -> None:
-    """Add what a card says."""
-    if card.keyword in _GENERATORS or (card.keyword == "INSTANCE" and card.data):
+def _tags(root: Scope, table: ElementTable) -> dict[str, Rows]:
+    """Facets by the names of surfaces and of sets with surface elements."""
+    tags: dict[str, Rows] = {}
+    named = np.zeros(len(table.block), dtype=bool)
+    surface = np.array([kind in SURFACE_CORNERS for kind in table.kinds], dtype=bool)
+    flat = surface[table.block]
+    scopes = (*root.instances.values(), root)
+    for scope in scopes:
+        for entry in scope.part.surfaces.values():
+            tags.setdefault(_label(root, scope, entry.name), scope.surface(entry, table))
+    for of_elements in (False, True):
+        for scope in scopes:
+            for key, entry in scope.part.elsets.items():
+                if entry.of_elements != of_elements:
+                    continue
+                members = scope.members("ELSET", key, table)
+                members = members[flat[members]]
+                if of_elements:
+                    members = members[~named[members]]
+                else:
+                    named[members] = True
+                if len(members):
+                    tags.setdefault(_label(root, scope, entry.name), [*table.blocks(members)])
+    return tags
+
+
+def _node_sets(root: Scope, table: ElementTable) -> dict[str, Indices]:
+    found: dict[str, Indices] = {}
+    for scope in (*root.instances.values(), root):
+        for key, entry in scope.part.nsets.items():
+            label = _label(root, scope, entry.name)
+            found.setdefault(label, scope.members("NSET", key, table))
+        for entry in scope.part.node_surfaces.values():
+            label = _label(root, scope, entry.name)
+            found.setdefault(label, scope.node_surface(entry, table))
+    return found
+
+
+def _label(root: Scope, scope: Scope, name: str) -> str:
+    """The tag of a name: with that of its instance where a name alone could mean two things."""
+    part = root.part
+    taken = any(name.upper() in names for names in (part.nsets, part.elsets, part.surfaces))
+    alone = len(root.instances) == 1 and not taken
+    return name if scope is root or alone else f"{scope.name}.{name}"
+
+
+def _refuse_cut(
+    path: Path, line: int, last: Card, points: NDArray[np.float64], table: ElementTable
+) -> None:
+    """Raises ``InputError`` where a file without a last line break may have been cut.
+
+    The last of some elements is whole, and the file with it, where every node is used.  A number
+    of a node or a set may have had more digits.
+    """
+    used = np.zeros(len(points), dtype=bool)
+    for kind, nodes in zip(table.kinds, table.nodes, strict=True):
+        used[nodes] = kind in BODY_CELLS or used[nodes]
+    if last.keyword == "ELEMENT" and last.data and not used.all():
+        raise _cut(path, line)
+    if last.keyword in ("NODE", "NSET", "ELSET") or not (last.data or "END" in last.keyword):
         raise InputError(
-            f"{where}: it makes, moves or fetches nodes, which is not followed here; write the "
-            "mesh as one flat file"
-        )
-    if card.keyword == "NODE":
-        rows = [row.split(",")[:4] for row in card.data]
-        if any(len([w for w in row if w.strip()]) != 4 for row in rows):
-            raise InputError(f"{where}: a node needs a number and three coordinates")
-        ids = np.array([int(row[0]) for row in rows], dtype=np.int64)
-        _refuse_twice(where, "node", np.concatenate([found.ids, ids]))
-        found.ids = np.concatenate([found.ids, ids])
-        points = np.array([[float(w) for w in row[1:]] for row in rows]).reshape(-1, 3)
-        found.points = np.concatenate([found.points, points])
-        if "NSET" in card.given:
-            _extend(found.nsets, card.given["NSET"], ids)
-    elif card.keyword == "ELEMENT":
-        block = elements_of(where, card)
-        _refuse_twice(where, "element", np.concatenate([e.ids for e in (*found.elements, block)]))
-        found.elements.append(block)
-        if "ELSET" in card.given:
-            _extend(found.elsets, card.given["ELSET"], block.ids)
-    elif card.keyword == "NSET":
-        members = _members(where, card, found.nsets, found.ids)
-        if "ELSET" in card.given:
-            ids = found.elsets[_known(found.elsets, card.given["ELSET"])]
-            members = np.concatenate(
-                [members, *(e.nodes[np.isin(e.ids, ids)].ravel() for e in found.elements)]
-            )
-        _extend(found.nsets, card.given["NSET"], members)
-    elif card.keyword == "ELSET":
-        known = np.concatenate([np.zeros(0, np.int64), *(e.ids for e in found.elements)])
-        members = _members(where, card, found.elsets, known)
-        name = _extend(found.elsets, card.given["ELSET"], members)
-        if name not in found.explicit:
-            found.explicit.append(name)
-    elif card.keyword == "SURFACE" and card.given.get("TYPE", "ELEMENT") == "ELEMENT":
-        found.surfaces.setdefault(card.given["NAME"], []).extend(_surface(where, card, found))
-
-
-def _members(where: str, card: Card, sets: dict[str, Indices], known: Indices) -> Indices:
-    """Numbers of a set: numbers, ranges, or other sets."""
-    if "GENERATE" in card.given:
-        ranges = [[int(w) for w in row.split(",") if w.strip()] for row in card.data]
-        parts = [np.arange(low, high + 1, *step) for low, high, *step in ranges]
-    else:
-        words = card.words()
-        numbers = [int(word) for word in words if word.isdigit()]
-        others = [word for word in words if not word.isdigit()]
-        parts = [np.array(numbers), *(sets[_known(sets, word)] for word in others)]
-    members = np.concatenate([np.zeros(0, np.int64), *parts]).astype(np.int64)
-    missing = np.setdiff1d(members, known)
-    if len(missing) and "GENERATE" not in card.given:
-        raise InputError(
-            f"{where}: the set has {len(missing)} members that the file does not define before "
-            f"it, the first of them number {missing[0]}; the file is truncated or damaged"
-        )
-    return members[np.isin(members, known)]
-
-
-def _surface(where: str, card: Card, found: _Input) -> list[tuple[str, Indices]]:
-    """Facets of a ``*SURFACE``: kinds and nodes."""
-    facets: list[tuple[str, Indices]] = []
-    for row in card.data:
-        region, label, *_ = [*(word.strip() for word in row.split(",")), ""]
-        ids = (
-            np.array([int(region)])
-            if region.isdigit()
-            else found.elsets[_known(found.elsets, region)]
-        )
-        for block in found.elements:
-            facets += block.facets(where, ids, label)
-    return facets
-
-
-def _surface_elements(found: _Input, ids: Indices) -> list[tuple[str, Indices]]:
-    rows = [
-        (block.kind, block.nodes[np.isin(block.ids, ids)])
-        for block in found.elements
-        if block.kind in SURFACE_CORNERS
-    ]
-    return [(kind, nodes) for kind, nodes in rows if len(nodes)]
-
-
-def _known(sets: dict[str, Indices], name: str) -> str:
-    """The name as it was first written; names differ by more than their case."""
-    for known in sets:
-        if known.upper() == name.upper():
-            return known
-    raise KeyError(f"set {name!r} is not defined before it is used; the sets are {sorted(sets)}")
-
-
-def _extend(sets: dict[str, Indices], name: str, members: Indices) -> str:
-    known = next((other for other in sets if other.upper() == name.upper()), name)
-    sets[known] = np.union1d(sets.get(known, np.zeros(0, np.int64)), members)
-    return known
-
-
-def _refuse_twice(where: str, what: str, ids: Indices) -> None:
-    ordered = np.sort(ids)
-    again = ordered[1:][np.diff(ordered) == 0]
-    if len(again):
-        raise InputError(
-            f"{where}: {what} {again[0]} is defined twice (several parts in one file?); give "
-            "one part, with its own numbers"
+            f"{path}: line {line}, the last one, has no line break, and a file that was cut there "
+            "would look the same; end it with a line break if it is complete"
         )
 
 
-def _blocks(
-    path: Path, ids: Indices, rows: list[tuple[str, Indices]]
-) -> tuple[Block, ...]:
-    return tuple(Block(kind, _place(path, ids, nodes)) for kind, nodes in rows)
+def _cut(path: Path, line: int) -> InputError:
+    return InputError(
+        f"{path} is truncated: it ends in the middle of line {line}; copy or write it again, or "
+        "end it with a line break if it is complete"
+    )
 
 
-def _place(path: Path, ids: Indices, nodes: Indices) -> Indices:
-    """Where nodes stand in the list of points."""
-    order = np.argsort(ids)
-    at = np.minimum(np.searchsorted(ids[order], nodes), len(ids) - 1)
-    missing = ids[order[at]] != nodes if len(ids) else np.ones(nodes.shape, dtype=bool)
-    if missing.any():
-        raise InputError(
-            f"{path}: elements use vertices that the file does not define, the first of them "
-            f"node {nodes[missing].min()}; the file is truncated or damaged"
-        )
-    return np.asarray(order[at])
+def _blocks(rows: Rows) -> tuple[Block, ...]:
+    return tuple(Block(kind, nodes) for kind, nodes in rows)

@@ -103,24 +103,25 @@ def _add_node_sets(
         return
     outer = np.zeros(len(vertices), dtype=bool)
     outer[boundary] = True
-    before = owners >= 0
+    all_of_them = int(outer.sum())
+    named = owners >= 0
+    taken_names = set(names)
     faces = NodeSetFaces(vertices, boundary)
-    for name, nodes in node_sets.items():
-        if name in names or not outer[nodes].all():
+    for name, given in node_sets.items():
+        nodes = np.unique(given)
+        if name in taken_names or not outer[nodes].all() or len(nodes) == all_of_them:
             continue
-        member = np.zeros(len(vertices), dtype=bool)
-        member[nodes] = True
-        if member[outer].all():
+        mine = faces.of(nodes)
+        mine = mine[~named[mine]]
+        if len(mine) == 0:
             continue
-        mine = faces.of(member) & ~before
-        if not mine.any():
-            continue
-        taken = mine & (owners >= 0)
-        if taken.any():
-            other = names[owners[np.argmax(taken)]]
-            raise _overlap(file, other, name, int(taken.sum()), vertices[boundary[taken][0]])
+        taken = mine[owners[mine] >= 0]
+        if len(taken):
+            other = names[owners[taken[0]]]
+            raise _overlap(file, other, name, len(taken), vertices[boundary[taken[0]]])
         owners[mine] = len(names)
         names.append(name)
+        taken_names.add(name)
 
 
 def _loops(file: str, name: str, blocks: tuple[Block, ...], shape: CellShape) -> Indices:

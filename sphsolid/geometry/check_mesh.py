@@ -20,9 +20,10 @@ from sphsolid.geometry.integrals import (
     vertex_volumes,
 )
 from sphsolid.geometry.line_of_sight import near_hiding
-from sphsolid.geometry.mesh import Mesh
+from sphsolid.geometry.mesh import GridMesh, Mesh
 from sphsolid.geometry.outline import Outline
 from sphsolid.geometry.overlap import refuse_overlap
+from sphsolid.geometry.units import unit_question
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
@@ -63,7 +64,8 @@ class MeshReport:
     ``left_out``: pairs within that reach that are not counted, because the straight line between
     them leaves the body (:mod:`~sphsolid.geometry.line_of_sight`); ``worst_quality`` and
     ``mean_quality`` of the cells, see :func:`cell_quality`; ``parts``: pieces that share no facet;
-    ``size`` [m] the diagonal of the box around the body.
+    ``size`` [m] the diagonal of the box around the body, ``extent`` [m] its edges; ``question``:
+    what to ask about the unit of the file, see :func:`~sphsolid.geometry.units.unit_question`.
     """
 
     cell: str
@@ -89,6 +91,8 @@ class MeshReport:
     worst_quality: float
     mean_quality: float
     tags: tuple[TagReport, ...]
+    extent: Vector
+    question: str = ""
 
     @property
     def volume_error(self) -> float:
@@ -104,12 +108,15 @@ class MeshReport:
     def __str__(self) -> str:
         """A block of lines, values with their units."""
         x, y, z = self.centroid_of_particles
+        dx, dy, dz = self.extent
         fewest, mean, most = self.neighbours
         left_out = f"{self.unused_vertices} unused, {self.midside_vertices} midside left out"
         width = max(len("tag"), *(len(tag.name) for tag in self.tags)) if self.tags else 3
         rows = [
             f"cells        {self.cells} of type {self.cell}, in {self.parts} part(s)",
             f"vertices     {self.vertices} ({left_out})",
+            f"extent       {dx:.6g} x {dy:.6g} x {dz:.6g} m",
+            *([f"unit?        {self.question}"] if self.question else []),
             f"volume       {self.volume_of_cells:.9g} m^3; sum of V_a and boundary integral agree "
             f"to {self.volume_error:.1e}",
             f"centroid     ({x:.6g}, {y:.6g}, {z:.6g}) m; sum of V_a X_a and boundary integral "
@@ -128,8 +135,16 @@ class MeshReport:
         return "\n".join(rows)
 
 
-def check_mesh(mesh: Mesh, *, unused_vertices: int = 0, midside_vertices: int = 0) -> MeshReport:
+def check_mesh(
+    mesh: Mesh,
+    *,
+    unused_vertices: int = 0,
+    midside_vertices: int = 0,
+    unit_given: bool = False,
+) -> MeshReport:
     """Measure a mesh; the numbers of vertices left out of it are repeated in the report.
+
+    Unless the unit of its file was given, the report asks about that of a large body.
 
     Volume and first moments come from the particles, ``sum V_a`` and ``sum V_a X_a``, and from
     the divergence theorem over the tagged facets,
@@ -142,6 +157,7 @@ def check_mesh(mesh: Mesh, *, unused_vertices: int = 0, midside_vertices: int = 
     """
     low, high = mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)
     middle = 0.5 * (low + high)
+    extent = _vector(high - low)
     V = vertex_volumes(mesh)
     refuse_overlap("the mesh", mesh)
     cell_volume, _ = cell_volumes_and_centroids(mesh)
@@ -180,6 +196,9 @@ def check_mesh(mesh: Mesh, *, unused_vertices: int = 0, midside_vertices: int = 
         worst_quality=float(quality.min()),
         mean_quality=float(quality.mean()),
         tags=tuple(tags),
+        extent=extent,
+        # A body that was made here is in metres.
+        question="" if unit_given or isinstance(mesh, GridMesh) else unit_question(extent),
     )
 
 

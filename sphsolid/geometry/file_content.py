@@ -46,13 +46,17 @@ class FileContent:
     """Points ``(n, 3)`` in units of the file, all cells, and what the file gives a name.
 
     ``tags``: name -> blocks of surface cells, no block at all for a name that is declared and
-    not used; ``node_sets``: name -> points ``(k,)``, where the format has such sets.
+    not used; ``node_sets``: name -> points ``(k,)``, where the format has such sets; ``notes``:
+    what of the file is not read and a user should hear of; ``way_out``: what to do about a file
+    that has no cells of a volume.
     """
 
     points: Array
     cells: tuple[Block, ...]
     tags: Mapping[str, tuple[Block, ...]]
     node_sets: Mapping[str, Indices] = field(default_factory=dict)
+    notes: tuple[str, ...] = ()
+    way_out: str = "mesh the body in 3D and save its cells"
 
     def kinds(self) -> str:
         """The cells that there are, for a message: ``12 tetra, 8 triangle``."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 import math
+import warnings
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -33,6 +34,7 @@ from sphsolid.geometry.mesh_defects import (
 )
 from sphsolid.geometry.meshio_reading import read_gmsh, read_vtu
 from sphsolid.geometry.overlap import refuse_overlap
+from sphsolid.geometry.units import Unit, metres
 from sphsolid.paths import path_of
 
 Indices = NDArray[np.int64]
@@ -42,8 +44,6 @@ READERS: dict[str, Callable[[Path], FileContent]] = {
     ".vtu": read_vtu,
     ".inp": read_abaqus,
 }
-#: Metres to a unit of length.
-UNITS = {"m": 1.0, "cm": 1.0e-2, "mm": 1.0e-3, "in": 0.0254}
 
 
 @dataclass(frozen=True)
@@ -52,13 +52,14 @@ class Reading:
 
     ``unused_vertices`` belong to no cell of the body, ``midside_vertices`` to second-order cells
     of which only the corners are taken.  ``left_handed``: the cells of the file were inverted,
-    all of them, and have been mirrored.
+    all of them, and have been mirrored.  ``notes``: what else of the file is not read.
     """
 
     mesh: HexMesh | TetMesh
     unused_vertices: int
     midside_vertices: int
     left_handed: bool
+    notes: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -67,8 +68,8 @@ class MeshFile:
 
     ``path``: Gmsh ``.msh`` (2.2 or 4.1, text or binary), VTK ``.vtu`` or Abaqus ``.inp``, with
     tetrahedra or hexahedra, one kind.  Of second-order cells the corners are taken, so that a
-    curved edge becomes a straight one.  ``unit``: what a coordinate of one means, ``m``, ``cm``,
-    ``mm``, ``in`` or metres as a number.
+    curved edge becomes a straight one.  ``unit``: what a coordinate of one means, one of
+    :data:`~sphsolid.geometry.units.UNITS` or metres as a number.
 
     Tags of the boundary are the physical surfaces of Gmsh, the integer arrays on the surface
     cells of a VTU file (:func:`~sphsolid.geometry.meshio_reading.read_vtu`) and the surfaces,
@@ -78,7 +79,7 @@ class MeshFile:
     """
 
     path: str | Path
-    unit: str | float = "m"
+    unit: Unit = "m"
 
     def __post_init__(self) -> None:
         """Refuse an unknown unit or file name extension."""
@@ -87,20 +88,18 @@ class MeshFile:
             f"mesh file {self.path}: allowed extensions are {sorted(READERS)}; convert it "
             "(gmsh FILE -save -o NAME.msh, meshio convert)",
         )
-        known = self.unit in UNITS if isinstance(self.unit, str) else 0.0 < self.unit < math.inf
-        require(
-            known,
-            f"unit = {self.unit!r} of mesh file {self.path}: allowed are {list(UNITS)}, or "
-            "a positive number of metres",
-        )
+        metres(self.unit, f"mesh file {self.path}")
 
     @property
     def metres(self) -> float:
         """Metres to a unit of the file."""
-        return UNITS[self.unit] if isinstance(self.unit, str) else float(self.unit)
+        return metres(self.unit, f"mesh file {self.path}")
 
     def read(self) -> Reading:
-        """The mesh and what was left out of it; raises ``InputError`` for any defect."""
+        """The mesh and what was left out of it; raises ``InputError`` for any defect.
+
+        Warns of what the file says of the body beside its mesh, and is not read.
+        """
         path = path_of(self.path)
         require(path.exists(), f"mesh file {path} does not exist (looked in {path.absolute()})")
         require(path.is_file(), f"mesh file {path} is not a file")
@@ -132,7 +131,10 @@ class MeshFile:
 @functools.lru_cache(maxsize=2)
 def _read(path: Path, metres: float, modified: int, size: int) -> Reading:
     require(size > 0, f"{path} is empty")
-    return reading(str(path), READERS[path.suffix.lower()](path), metres)
+    found = reading(str(path), READERS[path.suffix.lower()](path), metres)
+    for note in found.notes:
+        warnings.warn(note, stacklevel=4)
+    return found
 
 
 def reading(file: str, content: FileContent, metres: float) -> Reading:
@@ -170,6 +172,7 @@ def reading(file: str, content: FileContent, metres: float) -> Reading:
         unused_vertices=len(points) - len(in_cells),
         midside_vertices=len(in_cells) - len(used),
         left_handed=cells is not given,
+        notes=content.notes,
     )
 
 
@@ -186,8 +189,7 @@ def _body(file: str, content: FileContent) -> tuple[CellShape, list[Block]]:
     blocks = [block for block in filled if block.kind in BODY_CELLS]
     require(
         len(blocks) > 0,
-        f"{file} has no cells of a volume ({content.kinds()}): mesh the body in 3D; where "
-        "Gmsh has physical groups it saves only those: put the volume into one, too",
+        f"{file} has no cells of a volume ({content.kinds()}): {content.way_out}",
     )
     shapes = [BODY_CELLS[block.kind] for block in blocks]
     require(

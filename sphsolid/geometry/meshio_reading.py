@@ -19,6 +19,13 @@ import numpy as np
 
 from sphsolid.errors import InputError, require
 from sphsolid.geometry.file_content import SURFACE_CORNERS, Block, FileContent, Indices
+from sphsolid.geometry.unread_features import (
+    GMSH_REASONS,
+    VTU_REASONS,
+    Reasons,
+    refuse_gmsh_features,
+    refuse_vtu_features,
+)
 
 #: Arrays that number surfaces; the first of these that a VTU file has is taken before any other.
 TAG_ARRAYS = ("gmsh:physical", "tag", "tags", "boundary", "facet", "CellEntityIds", "medit:ref")
@@ -33,6 +40,7 @@ def read_gmsh(path: Path) -> FileContent:
     surface and a volume share it; a physical surface without a name is called by its number.
     """
     data = path.read_bytes()
+    refuse_gmsh_features(path, data)
     header = re.match(rb"\s*(?:\$Comments.*?\$EndComments\s*)?\$MeshFormat\s+(\S+)", data, re.S)
     if header is None:
         raise InputError(f"{path} is not a Gmsh mesh: it does not begin with $MeshFormat")
@@ -55,7 +63,7 @@ def read_gmsh(path: Path) -> FileContent:
             f"{path} is truncated: its section ${name} has no $End{name}; copy or save it again",
         )
     names = _physical_names(path, data)
-    mesh = read_guarded(meshio.gmsh.read, path, f"Gmsh {version}")
+    mesh = read_guarded(meshio.gmsh.read, path, f"Gmsh {version}", GMSH_REASONS)
     tags: dict[str, list[Block]] = {name: [] for name in names.values()}
     numbers = mesh.cell_data.get("gmsh:physical")
     for k, block in enumerate(mesh.cells):
@@ -63,9 +71,11 @@ def read_gmsh(path: Path) -> FileContent:
             continue
         members = {name: np.zeros(len(block.data), dtype=bool) for name in names.values()}
         if numbers is not None:
-            for number in np.unique(numbers[k][numbers[k] != 0]).tolist():
+            # A negative number turns the elements of its group round.
+            of = np.abs(numbers[k])
+            for number in np.unique(of[of != 0]).tolist():
                 name = names.get(number, str(number))
-                members[name] = numbers[k] == number
+                members[name] = of == number
         # A surface in two groups: 2.2 repeats its cells, 4.1 says so in the cell sets only.
         for name in names.values():
             if name in mesh.cell_sets and mesh.field_data[name][1] == 2:
@@ -74,7 +84,11 @@ def read_gmsh(path: Path) -> FileContent:
             if member.any():
                 tags.setdefault(name, []).append(Block(block.type, _index(block.data[member])))
     return FileContent(
-        mesh.points, _blocks(mesh), {name: tuple(blocks) for name, blocks in tags.items()}
+        mesh.points,
+        _blocks(mesh),
+        {name: tuple(blocks) for name, blocks in tags.items()},
+        way_out="mesh the body in 3D; where Gmsh has physical groups it saves only those: put the "
+        "volume into one, too",
     )
 
 
@@ -109,11 +123,12 @@ def read_vtu(path: Path) -> FileContent:
     if several arrays number tags and none has one of the names ``TAG_ARRAYS``.
     """
     data = path.read_bytes()
-    require(b"<VTKFile" in data[:4096], f"{path} is not a VTK XML file: it has no <VTKFile>")
+    require(b"<VTKFile" in data, f"{path} is not a VTK XML file: it has no <VTKFile>")
     require(
-        b"</VTKFile>" in data[-4096:],
+        b"</VTKFile>" in data,
         f"{path} is truncated: it does not end with </VTKFile>; copy or save it again",
     )
+    refuse_vtu_features(path, data)
     pieces = re.findall(rb"<Piece\b[^>]*>", data)
     # meshio keeps the cells of the last piece and says nothing.
     require(
@@ -121,9 +136,15 @@ def read_vtu(path: Path) -> FileContent:
         f"{path} has {len(pieces)} pieces; only one can be read: merge them before writing "
         "(ParaView: Merge Blocks)",
     )
-    mesh = read_guarded(meshio.vtu.read, path, "VTU")
+    mesh = read_guarded(meshio.vtu.read, path, "VTU", VTU_REASONS)
+    polyhedra = sum(len(b.data) for b in mesh.cells if b.type.startswith("polyhedron"))
+    require(
+        polyhedra == 0,
+        f"{path} holds {polyhedra} polyhedra, which are not read: mesh the body with tetrahedra or "
+        "hexahedra (ParaView: Tetrahedralize)",
+    )
     count = sum(len(block.data) for block in mesh.cells)
-    declared = re.search(rb'NumberOfCells="\s*(\d+)\s*"', pieces[0]) if pieces else None
+    declared = re.search(rb"""NumberOfCells\s*=\s*["']\s*(\d+)""", pieces[0]) if pieces else None
     require(
         declared is None or int(declared.group(1)) == count,
         f"{path} holds cells of kinds that cannot be read (voxels, polyhedra, ...); allowed are "
@@ -166,8 +187,14 @@ def _tag_arrays(path: Path, mesh: Any) -> dict[str, list[Indices]]:
     return named
 
 
-def read_guarded(reader: Callable[[str], Any], path: Path, what: str) -> Any:
-    """What a reader of meshio returns; whatever it raises becomes an ``InputError``."""
+def read_guarded(
+    reader: Callable[[str], Any], path: Path, what: str, reasons: Reasons = ()
+) -> Any:
+    """What a reader of meshio returns; whatever it raises becomes an ``InputError``.
+
+    ``reasons``: a pattern of what meshio says of a feature that it does not read, and what to say
+    of it instead of that the file is damaged.
+    """
     said = io.StringIO()
     with (
         contextlib.redirect_stdout(said),
@@ -179,12 +206,8 @@ def read_guarded(reader: Callable[[str], Any], path: Path, what: str) -> Any:
             return reader(str(path))
         except (Exception, SystemExit) as error:
             reason = " ".join(f"{type(error).__name__} {error} {said.getvalue()}".split())
-            hint = "it is truncated or damaged, or not what its name says"
-            if "Incompatible cell data 'gmsh:physical'" in reason:
-                hint = (
-                    "it was saved with Mesh.SaveAll and some of its entities are in no physical "
-                    "group, which meshio cannot read; save without Mesh.SaveAll"
-                )
+            hints = [hint for pattern, hint in reasons if re.search(pattern, reason)]
+            hint = [*hints, "it is truncated or damaged, or not what its name says"][0]
             raise InputError(f"{path} cannot be read as {what}: {hint} ({reason})") from error
 
 

@@ -9,19 +9,36 @@ from scipy.sparse.csgraph import connected_components
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
-Mask = NDArray[np.bool_]
 
 #: Facets whose normals differ by less are parts of one smooth face.
 SMOOTH = np.cos(np.radians(30.0))
 
 
+class _Lists:
+    """For each key from zero the values that come with it, found without a search of all."""
+
+    def __init__(self, keys: Indices, values: Indices, count: int) -> None:
+        order = np.argsort(keys, kind="stable")
+        self._values = values[order]
+        self._starts = np.searchsorted(keys[order], np.arange(count + 1))
+
+    def of(self, keys: Indices) -> tuple[Indices, Indices]:
+        """Positions in ``keys`` and values, one after the other."""
+        low, high = self._starts[keys], self._starts[keys + 1]
+        owner = np.repeat(np.arange(len(keys)), high - low)
+        first = np.cumsum(high - low) - (high - low)
+        return owner, self._values[np.arange(len(owner)) - first[owner] + low[owner]]
+
+
 class NodeSetFaces:
-    """Facets ``boundary (f, m)`` of a closed boundary, ready to be asked by nodes."""
+    """Facets ``boundary (f, m)`` of a closed boundary, ready to be asked by nodes.
+
+    Each question costs what its set is large, whatever the size of the body.
+    """
 
     def __init__(self, vertices: Array, boundary: Indices) -> None:
         """Find the neighbours of every facet across its edges, and where they meet smoothly."""
-        count = boundary.shape[1]
-        self.vertices = vertices
+        facets, count = boundary.shape
         self.boundary = boundary
         ends = np.stack([boundary, np.roll(boundary, -1, axis=1)], axis=-1).reshape(-1, 2)
         low, high = ends.min(axis=1), ends.max(axis=1)
@@ -31,31 +48,38 @@ class NodeSetFaces:
         corners = vertices[boundary]
         normal = np.cross(corners[:, 2] - corners[:, 0], corners[:, -1] - corners[:, 1])
         normal /= np.linalg.norm(normal, axis=1)[:, None]
-        self.smooth = pairs[np.sum(normal[pairs[:, 0]] * normal[pairs[:, 1]], axis=1) > SMOOTH]
+        a, b = pairs[np.sum(normal[pairs[:, 0]] * normal[pairs[:, 1]], axis=1) > SMOOTH].T
+        self._smooth = _Lists(np.concatenate([a, b]), np.concatenate([b, a]), facets)
+        of_facet = np.repeat(np.arange(facets), count)
+        self._around = _Lists(boundary.ravel(), of_facet, len(vertices))
 
-    def of(self, member: Mask) -> Mask:
-        """Facets ``(f,)`` of the faces that the nodes ``member (N,)`` were chosen on.
+    def of(self, nodes: Indices) -> Indices:
+        """Facets ``(k,)``, sorted, of the faces that the nodes ``(n,)``, each once, stand for.
 
         A facet is one of them when all its vertices are.  At an edge of the body a facet of the
         next face can have all its vertices on the edge (the end of a cylinder at its wall); such
         facets are left out: pieces that go on smoothly outside the set, and whose vertices all
         belong to other faces of it.
         """
-        whole = np.asarray(member[self.boundary].all(axis=1))
-        a, b = self.smooth.T
-        inner = whole[a] & whole[b]
+        corners = self.boundary.shape[1]
+        touched, times = np.unique(self._around.of(nodes)[1], return_counts=True)
+        whole = touched[times == corners]
+        if len(whole) == 0:
+            return whole
+        one, neighbour = self._smooth.of(whole)
+        other = np.minimum(np.searchsorted(whole, neighbour), len(whole) - 1)
+        inner = whole[other] == neighbour
         link = coo_array(
-            (np.ones(inner.sum()), (a[inner], b[inner])), shape=(len(whole), len(whole))
+            (np.ones(inner.sum()), (one[inner], other[inner])), shape=(len(whole), len(whole))
         )
         count, piece = connected_components(link, directed=False)
         goes_on = np.zeros(count, dtype=bool)
-        goes_on[piece[a[whole[a] & ~whole[b]]]] = True
-        goes_on[piece[b[whole[b] & ~whole[a]]]] = True
+        goes_on[piece[one[~inner]]] = True
         # In how many pieces of the set a vertex is.
-        vertex = self.boundary[whole].ravel()
-        owner = np.repeat(piece[whole], self.boundary.shape[1])
-        pair = np.unique(owner * len(self.vertices) + vertex)
-        shared = np.bincount(pair % len(self.vertices), minlength=len(self.vertices)) > 1
+        _, vertex = np.unique(self.boundary[whole], return_inverse=True)
+        owner = np.repeat(piece, corners)
+        pair = np.unique(owner.astype(np.int64) * len(nodes) + vertex.ravel())
+        shared = np.bincount(pair % len(nodes), minlength=len(nodes)) > 1
         alone = np.zeros(count, dtype=bool)
-        alone[(pair // len(self.vertices))[~shared[pair % len(self.vertices)]]] = True
-        return np.asarray(whole & ~(goes_on & ~alone)[piece])
+        alone[(pair // len(nodes))[~shared[pair % len(nodes)]]] = True
+        return np.asarray(whole[~(goes_on & ~alone)[piece]])

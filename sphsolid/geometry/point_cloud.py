@@ -15,7 +15,8 @@ from sphsolid.geometry.body import AsMeshed, Spacing
 from sphsolid.geometry.mesh import copied
 from sphsolid.geometry.point_file import read_points
 from sphsolid.geometry.point_mesh import PointMesh, point_mesh
-from sphsolid.geometry.surface import Surface, metres
+from sphsolid.geometry.surface import Surface
+from sphsolid.geometry.units import Unit, metres
 from sphsolid.paths import path_of
 
 Array = NDArray[np.float64]
@@ -42,7 +43,7 @@ class PointCloud:
 
     points: ArrayLike | str | Path
     surface: Surface | str | Path
-    unit: str = "m"
+    unit: Unit = "m"
 
     @classmethod
     def fill(
@@ -52,7 +53,7 @@ class PointCloud:
         spacing: float,
         jitter: float = 0.0,
         seed: int = 0,
-        unit: str = "m",
+        unit: Unit = "m",
     ) -> PointCloud:
         """A surface filled with a lattice of ``spacing`` [m]; see :func:`interior_lattice`.
 
@@ -102,7 +103,7 @@ class PointCloud:
             given, name = read_points(path_of(self.points)), str(self.points)
         else:
             given, name = np.asarray(self.points, dtype=np.float64), "points"
-        points = metres(self.unit) * given
+        points = metres(self.unit, f"the point cloud {name}") * given
         return point_mesh(self.enclosed, inner_points(points, self.enclosed, name))
 
 

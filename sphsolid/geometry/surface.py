@@ -14,19 +14,11 @@ from sphsolid.errors import InputError, require
 from sphsolid.geometry.closed_surface import check_triangles, halves, joined, oriented
 from sphsolid.geometry.inside import Distance, distance_to_surface, winding_numbers
 from sphsolid.geometry.surface_file import UNNAMED, read_facets
+from sphsolid.geometry.units import Unit, metres
 from sphsolid.paths import path_of
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
-#: Units that a file can be in, in metres.
-UNITS = {"m": 1.0, "cm": 1.0e-2, "mm": 1.0e-3, "um": 1.0e-6, "in": 0.0254}
-
-
-def metres(unit: str) -> float:
-    """Length of ``unit`` [m]; raises ``InputError`` for one that is not known."""
-    if unit not in UNITS:
-        raise InputError(f"unit = {unit!r} is not one of {sorted(UNITS)}")
-    return UNITS[unit]
 
 
 @dataclass(frozen=True)
@@ -88,13 +80,14 @@ class Surface:
         return cls(points, {name: triangles[of == name] for name in np.unique(of).tolist()})
 
     @classmethod
-    def read(cls, path: str | Path, *, unit: str = "m") -> Surface:
-        """From ``.stl``, ``.ply``, ``.obj``, ``.msh`` or ``.vtu`` in ``unit`` m, cm, mm, um or in.
+    def read(cls, path: str | Path, *, unit: Unit = "m") -> Surface:
+        """From ``.stl``, ``.ply``, ``.obj``, ``.msh`` or ``.vtu``.
 
-        Names: the physical surfaces of ``.msh``, the tags of ``.vtu``.  Vertices of ``.stl`` are
-        merged.  Raises ``InputError`` for a file that cannot be read, and as :meth:`closed` does.
+        ``unit``: one of :data:`~sphsolid.geometry.units.UNITS` or metres as a number.  Names: the
+        physical surfaces of ``.msh``, the tags of ``.vtu``, the solids of ``.stl`` where there
+        are several.  Vertices of ``.stl`` are merged.  Raises ``InputError`` for a file that cannot be read, and as :meth:`closed` does.
         """
-        scale = metres(unit)
+        scale = metres(unit, f"surface file {path}")
         facets = read_facets(path_of(path))
         try:
             return cls.closed(

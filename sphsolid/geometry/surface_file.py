@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -14,6 +15,8 @@ from sphsolid.geometry.closed_surface import halves
 from sphsolid.geometry.facets import same_vertices
 from sphsolid.geometry.file_content import SURFACE_CORNERS, FileContent
 from sphsolid.geometry.meshio_reading import read_gmsh, read_guarded, read_vtu
+from sphsolid.geometry.obj_reading import read_obj
+from sphsolid.geometry.stl_reading import read_stl
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
@@ -21,7 +24,6 @@ Indices = NDArray[np.int64]
 UNNAMED = "surface"
 #: STL repeats each vertex in every triangle, rounded to single precision.
 _STL_MERGE = 1.0e-6
-_PLAIN = {".stl": meshio.stl.read, ".ply": meshio.ply.read, ".obj": meshio.obj.read}
 _TAGGED = {".msh": read_gmsh, ".vtu": read_vtu}
 
 
@@ -47,22 +49,59 @@ def read_facets(path: Path) -> Facets:
     kind = path.suffix.lower()
     if kind in _TAGGED:
         return _with_names(path, _TAGGED[kind](path))
-    if kind not in _PLAIN:
+    if kind not in _READERS:
         raise InputError(
             f"{path} is of kind {kind or 'unknown'}; a surface is read from "
-            f"{', '.join(sorted({*_PLAIN, *_TAGGED}))}"
+            f"{', '.join(sorted({*_READERS, *_TAGGED}))}"
         )
-    mesh = read_guarded(_PLAIN[kind], path, kind[1:].upper())
-    loops = [np.asarray(b.data) for b in mesh.cells if b.type in ("triangle", "quad")]
+    points, named = _READERS[kind](path)
     require(
-        sum(len(loop) for loop in loops) > 0,
+        sum(len(loops) for loops in named.values()) > 0,
         f"{path} holds no triangles; save the surface as a mesh of triangles",
     )
-    return Facets(
-        np.asarray(mesh.points, dtype=np.float64).reshape(-1, 3),
-        {UNNAMED: np.concatenate([halves(loop) for loop in loops])},
-        _STL_MERGE if kind == ".stl" else 0.0,
+    return Facets(points, named, _STL_MERGE if kind == ".stl" else 0.0)
+
+
+def _stl(path: Path) -> tuple[Array, dict[str, Indices]]:
+    """The names of several solids are those of the faces; one alone names nothing."""
+    solids = read_stl(path)
+    named: dict[str, list[Indices]] = {}
+    start = 0
+    for name, corners in solids:
+        rows = start + np.arange(3 * len(corners), dtype=np.int64).reshape(-1, 3)
+        start += 3 * len(corners)
+        named.setdefault(name if len(solids) > 1 and name else UNNAMED, []).append(rows)
+    points = np.concatenate([np.zeros((0, 3)), *(corners.reshape(-1, 3) for _, corners in solids)])
+    return points, {name: np.concatenate(rows) for name, rows in named.items()}
+
+
+def _obj(path: Path) -> tuple[Array, dict[str, Indices]]:
+    points, loops = read_obj(path)
+    return points, {UNNAMED: np.concatenate([halves(rows) for rows in loops])}
+
+
+def _ply(path: Path) -> tuple[Array, dict[str, Indices]]:
+    mesh = read_guarded(meshio.ply.read, path, "PLY")
+    blocks = [block for block in mesh.cells if len(block.data)]
+    strange = sorted({block.type for block in blocks} - {"triangle", "quad"})
+    require(
+        not strange,
+        f"{path} holds facets of kind {', '.join(strange)}; save the surface with triangles only",
     )
+    loops = [halves(np.asarray(block.data)) for block in blocks]
+    points = np.asarray(mesh.points, dtype=np.float64)
+    require(
+        points.ndim == 2 and points.shape[1] == 3,
+        f"{path} has vertices of {points.shape[1:]} coordinates; three are wanted",
+    )
+    return points, {UNNAMED: np.concatenate([np.zeros((0, 3), np.int64), *loops])}
+
+
+_READERS: dict[str, Callable[[Path], tuple[Array, dict[str, Indices]]]] = {
+    ".stl": _stl,
+    ".ply": _ply,
+    ".obj": _obj,
+}
 
 
 def _with_names(path: Path, content: FileContent) -> Facets:
