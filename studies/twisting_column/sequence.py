@@ -12,7 +12,7 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from studies.convergence.figures import select
-from studies.report.extrapolate import Limit, extrapolate, sign_changes
+from studies.report.extrapolate import LEVELS, Limit, extrapolate, sign_changes
 from studies.twisting_column import outside
 from studies.twisting_column.methods import lattice
 
@@ -70,7 +70,7 @@ class TwistSequence:
 
 @dataclass(frozen=True)
 class TooFew:
-    """In the place of a sequence of fewer than three lattices: it has no limit."""
+    """In the place of a sequence of fewer lattices than a limit needs."""
 
 
 def twist_sequence(runs: pd.DataFrame, label: str, ms: int = 100) -> TwistSequence | TooFew:
@@ -78,7 +78,7 @@ def twist_sequence(runs: pd.DataFrame, label: str, ms: int = 100) -> TwistSequen
     own = select(runs, label=label).sort_values("cells")
     own = own[own["survived"].astype(bool)]
     twist = own[f"twist_{ms}"].to_numpy(dtype=float)
-    if len(own) < 3:
+    if len(own) < LEVELS:
         return TooFew()
     cells = own["cells"].astype(int).tolist()
     return TwistSequence(cells, twist, extrapolate(1.0 / own["cells"], twist), ms)

@@ -16,6 +16,8 @@ from studies.twisting_column.sequence import TooFew, twist_sequence
 
 SHOWN = (H1, H6, TOOLKIT, LITERAL, FEM)
 _TIMES = (60, 100)
+#: Where on the axis of ``h^2`` [m^2] the limits are, side by side about it.
+_LIMITS = -0.012
 
 
 def twist_by_lattice_figure(table: pd.DataFrame, stem: Path) -> Path:
@@ -27,7 +29,7 @@ def twist_by_lattice_figure(table: pd.DataFrame, stem: Path) -> Path:
     for ax, ms in zip(axes.flat, _TIMES, strict=True):
         known = outside.twist(ms)
         share = 100.0 * known.within / known.value
-        ax.axhspan(-share, share, color="0.85", label=f"{outside.NAME}, {known.elements}", zorder=0)
+        ax.axhspan(-share, share, color="0.85", label=outside.NAME, zorder=0)
         ax.axhline(0.0, color="0.5", linewidth=0.7)
         cells: set[int] = set()
         for number, label in enumerate(SHOWN):
@@ -39,14 +41,15 @@ def twist_by_lattice_figure(table: pd.DataFrame, stem: Path) -> Path:
             ax.plot(h2, 100.0 * found.errors, label=label, **LOOKS[label])
             # Side by side, left of no spacing: limits of several methods are near each other.
             ax.errorbar(
-                -0.004 * (1 + number), 100.0 * found.limit_error,
+                2.0 * _LIMITS * (1 + number) / (1 + len(SHOWN)), 100.0 * found.limit_error,
                 100.0 * found.limit.within / known.value, capsize=2.0,
                 **{name: LOOKS[label][name] for name in ("color", "marker")},
             )  # fmt: skip
         marks = sorted(cells & {3, 4, 5, 6, 10})
-        ax.xaxis.set_major_locator(FixedLocator([1.0 / n**2 for n in marks]))
-        ax.set_xticklabels([f"1/{n}" for n in marks])
-        ax.set(title=f"{ms} ms", xlabel="spacing [m], spaced by its square; left: the limit",
+        ax.xaxis.set_major_locator(FixedLocator([_LIMITS, *(1.0 / n**2 for n in marks)]))
+        ax.set_xticklabels(["limit", *(f"1/{n}" for n in marks)])
+        ax.axvline(0.0, color="0.5", linewidth=0.7)
+        ax.set(title=f"{ms} ms", xlabel="spacing [m], to scale in its square",
                ylabel="error of the twist [%]")  # fmt: skip
     outside_legend(figure, axes.flat, columns=3)
     return save_figure(figure, stem)

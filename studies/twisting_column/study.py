@@ -116,9 +116,8 @@ def _quick(shots: str) -> Iterator[Case]:
     for label in _SHORT_FORM:
         yield _case(label, 3, shots)
     for label in IN_SEQUENCE:
-        for cells in PAPER_LATTICES[1:]:
+        for cells in (*PAPER_LATTICES[1:], ALSO[0]):
             yield _case(label, cells, shots)
-    yield _case(FEM, 6, shots)
     for kept in (False, True):
         yield _case(H1, 3, shots, cfl=0.5 * usual_cfl(H1), kept=kept)
 

@@ -46,8 +46,8 @@ def test_signs():
     assert sign_changes([1.0, 0.5]) == []
 
 
-def test_fewer_than_three_levels_have_no_limit():
-    for h, values in (([0.1, 0.2], [1.0, 1.0]), ([0.1, 0.1, 0.2], [1.0] * 3),
-                      ([0.1, 0.2, 0.3], [1.0, np.nan, 1.0])):  # fmt: skip
+def test_fewer_than_four_levels_have_no_limit():
+    for h, values in (([0.1, 0.2, 0.3], [1.0] * 3), ([0.1, 0.1, 0.2, 0.3], [1.0] * 4),
+                      ([0.1, 0.2, 0.3, 0.4], [1.0, np.nan, 1.0, 1.0])):  # fmt: skip
         with pytest.raises(InputError, match="extrapolate needs"):
             extrapolate(h, values)

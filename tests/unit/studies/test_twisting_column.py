@@ -426,10 +426,10 @@ def test_a_sequence_says_its_limit_and_that_its_errors_change_sign():
     assert frame["limit"][0] == pytest.approx(5.894)
 
 
-def test_a_lost_run_and_a_pair_are_no_sequence():
-    runs = sequence_of({3: 0.01, 4: 0.01, 5: 0.01})
+def test_without_a_lost_run_three_are_no_sequence():
+    runs = sequence_of({3: 0.01, 4: 0.01, 5: 0.01, 6: 0.01})
     assert isinstance(twist_sequence(runs, H1), TwistSequence)
-    runs["survived"] = [True, True, False]
+    runs["survived"] = [True, True, True, False]
     assert isinstance(twist_sequence(runs, H1), TooFew)
     assert len(sequence_frame(runs, [H1])) == 0
 
