@@ -23,7 +23,7 @@ from sphsolid import scenes
 from sphsolid.errors import Diverged, InputError, require
 from studies.pictures.colours import LOOKS, ColourRange, limits
 from studies.pictures.panels import SURFACE, WHOLE, Layout, Sheet, check_grid, flat
-from studies.pictures.shots import Frame, Lost, Shot, ShotFolder, take_shot, write_whole
+from studies.pictures.shots import CELL, Frame, Lost, Shot, ShotFolder, take_shot, write_whole
 from studies.pictures.surface import Drawing
 from studies.pictures.view import Around, View, Window, angled_view, flat_view
 
@@ -135,7 +135,7 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--frames", type=int, default=40, help="pictures (%(default)s)")
     parser.add_argument("--shots", type=Path, help="read stored frames from this folder instead")
     parser.add_argument("--key", action="append", default=[], help="case to show (repeat for more)")
-    parser.add_argument("--field", choices=list(LOOKS), default="pressure")
+    parser.add_argument("--field", choices=list(LOOKS), default=CELL + "pressure")
     parser.add_argument("--percentile", type=float, default=99.0, help="of values, for the colours")
     parser.add_argument("--view", choices=list(_VIEWS), default="y-up")
     parser.add_argument("--gif", type=Path, default=Path("out", "animation.gif"))

@@ -2,8 +2,8 @@
 
 ``python -m studies.picture`` runs the column at nu = 0.495 with 8 cells across (9x49x9 particles)
 and writes ``docs/twisting_column.png``; its frames stay in ``out/picture``, and ``--redraw`` uses
-them again.  Colour: pressure ``U'(J)``, positive in tension; half a per cent of the
-values is beyond the ends of the bar.
+them again.  Colour: pressure U'(J), positive in tension, of particles and elements alike as means over
+cells, carried to the vertices; half a per cent of the volume is beyond the ends of the bar.
 """
 
 from __future__ import annotations
@@ -21,11 +21,13 @@ from sphsolid.scenes import twisting_column
 from studies.harness.cases import ROOT
 from studies.pictures.colours import limits
 from studies.pictures.panels import Layout, panel_figure
-from studies.pictures.shots import Frame, SaveShots, ShotFolder
+from studies.pictures.shots import CELL, Frame, SaveShots, ShotFolder
 
 PAPER = Layout(width=9.5, height=6.4, dpi=140)
 TIMES = (0.0, 0.03, 0.06, 0.1)
 PARTICLES, ELEMENTS = "SUPG-SPH", "B-bar FEM"
+#: A particle on the surface is half a cell further out than the centre of an element.
+FIELD = CELL + "pressure"
 
 
 def run(folder: ShotFolder, *, cells: int) -> None:
@@ -46,7 +48,7 @@ def draw(folder: ShotFolder) -> Figure:
     """The figure, from stored frames."""
     row: list[Frame] = [folder.load(PARTICLES, time) for time in TIMES]
     row.append(folder.load(ELEMENTS, TIMES[-1]))
-    return panel_figure([row], colours=limits(row, percentile=99.5), layout=PAPER)
+    return panel_figure([row], colours=limits(row, field=FIELD, percentile=99.5), layout=PAPER)
 
 
 def main(argv: list[str] | None = None) -> int:

@@ -24,7 +24,7 @@ from studies.conservation.runs import (
 )
 from studies.pictures.colours import limits
 from studies.pictures.panels import Layout, panel_figure
-from studies.pictures.shots import Absent, Frame, ShotFolder
+from studies.pictures.shots import CELL, Absent, Frame, ShotFolder
 from studies.pictures.view import Around, angled_view
 from studies.report.plotting import (
     BLACK,
@@ -152,7 +152,7 @@ def ledger_figure(history: pd.DataFrame, stem: Path) -> Path:
 
 
 def sequence_figure(out: Path, stem: Path, spacing: float) -> Path:
-    """The block over time coloured by pressure: as printed, consistent, finite elements."""
+    """The block over time, pressure as means over cells: as printed, consistent, elements."""
     folder = ShotFolder(out / "shots")
     rows = [
         (block_key(operator, spacing=spacing), f"SUPG-SPH, {_NAMES[operator]}")
@@ -162,7 +162,7 @@ def sequence_figure(out: Path, stem: Path, spacing: float) -> Path:
     grid = [[_frame(folder, key, label, t) for t in SHOT_TIMES] for key, label in rows]
     figure = panel_figure(
         grid,
-        colours=limits(grid, field="pressure", percentile=98.0),
+        colours=limits(grid, field=CELL + "pressure", percentile=98.0),
         view=angled_view(up="y", azimuth=-35.0, elevation=18.0),
         window=Around(follow=True),
         layout=Layout(width=7.2, height=8.5),

@@ -196,7 +196,8 @@ def _pressure_section(results: Results) -> Section:
         blocks.append(
             Figure(
                 f"Pressure, positive in tension, {{p,F}} SUPG-SPH-H6 and B-bar FEM on the same "
-                f"{particles} points (as the paper's Fig. 8). Each panel is centred on its body.",
+                f"{particles} points (as the paper's Fig. 8), both as means over "
+                "cells. Each panel is centred on its body.",
                 sequence_figure(results.out, results.out / f"sequence_{number + 1}", spacing),
             )
         )
@@ -214,8 +215,9 @@ def _pressure_section(results: Results) -> Section:
                           "J_max": ".3f"}  # fmt: skip
     blocks.append(
         Table(
-            "Pressure after 5 s: noise averaged over time; extreme percentiles and J over time. "
-            "Disorder: the shares of the spacing within which particles were moved.",
+            "Pressure after 5 s: noise averaged over time; extremes over time of its percentiles "
+            "by volume and of J. Disorder: the shares of the spacing within which particles were "
+            "moved.",
             runs[list(columns)],
             formats=formats,
             headings=columns,

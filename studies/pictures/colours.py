@@ -8,7 +8,7 @@ perceptually uniform.
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -17,7 +17,8 @@ from matplotlib.colors import Normalize
 from matplotlib.ticker import FixedLocator, FuncFormatter
 
 from sphsolid.errors import InputError, require
-from studies.pictures.shots import Frame, Shot
+from studies.pictures.shots import CELL, Frame, Shot
+from studies.report.percentiles import weighted_percentile
 
 
 @dataclass(frozen=True)
@@ -31,10 +32,14 @@ class FieldLook:
     diverging: bool
 
 
-LOOKS = {
+_POINTS = {
     "pressure": FieldLook("pressure", "Pa", "RdBu_r", 0.0, diverging=True),
     "von_mises": FieldLook("von Mises\nstress", "Pa", "viridis", 0.0, diverging=False),
     "J": FieldLook("volume\nratio J", "", "PuOr_r", 1.0, diverging=True),
+}
+#: Of the values that a method has at the vertices, and of means over cells, which the bar says.
+LOOKS = _POINTS | {
+    CELL + name: replace(look, name=f"{look.name},\ncell means") for name, look in _POINTS.items()
 }
 _ROUND = (1.0, 1.2, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0)
 _PREFIX = ((1e9, "G"), (1e6, "M"), (1e3, "k"), (1.0, ""))
@@ -92,7 +97,7 @@ class ColourRange:
 def limits(
     frames: Iterable[Any], *, field: str = "pressure", percentile: float = 99.0
 ) -> ColourRange:
-    """A common range: ``percentile`` of the pooled vertex values, rounded up to a round number.
+    """A common range: ``percentile`` by volume of the pooled values, rounded up to a round number.
 
     ``frames`` may be nested (rows of a grid); panels without a frame are passed over.  Symmetric
     about the middle for a diverging field, from zero for von Mises.  Pooling means that one
@@ -102,12 +107,15 @@ def limits(
     require(0.0 < percentile <= 100.0, f"limits: percentile = {percentile} is outside (0, 100]")
     if field not in LOOKS:
         raise InputError(f"colours: field {field!r} is none of {', '.join(LOOKS)}")
-    found = [shot.value(field).astype(float) for shot in _flat(frames) if isinstance(shot, Shot)]
-    pooled = np.concatenate(found) if found else np.zeros(0)
-    pooled = pooled[np.isfinite(pooled)]
+    shots = [shot for shot in _flat(frames) if isinstance(shot, Shot)]
+    pooled = np.concatenate([np.zeros(0), *(shot.value(field).astype(float) for shot in shots)])
+    volume = np.concatenate([np.zeros(0), *(shot.V.astype(float) for shot in shots)])
+    finite = np.isfinite(pooled)
+    pooled, volume = pooled[finite], volume[finite]
     require(len(pooled) > 0, f"limits: no frame has a finite value of {field}")
     look = LOOKS[field]
-    size = _round_up(float(np.percentile(np.abs(pooled - look.middle), percentile)))
+    ends = weighted_percentile(np.abs(pooled - look.middle), volume, [percentile])
+    size = _round_up(float(ends[0]))
     low = look.middle - size if look.diverging else look.middle
     high = look.middle + size
     slack = 1e-6 * size

@@ -3,8 +3,9 @@
 A case of a study runs in a worker process and returns rows of numbers; its frames go to files, so
 that figures can be remade without running again.  A frame is ``<folder>/<key>@<time>s.npz``
 (:class:`ShotFolder`), by convention in ``<out>/shots``: the boundary quadrilaterals, float32
-positions and float32 pressure, von Mises stress and ``J`` at the vertices.  A file appears whole
-or not at all.
+positions and volumes, and float32 pressure, von Mises stress and ``J`` at the vertices, once as
+the method has them there and once as means over cells, which are alike for both solvers.  A file
+appears whole or not at all.
 """
 
 from __future__ import annotations
@@ -23,10 +24,14 @@ from numpy.typing import NDArray
 from sphsolid.errors import Diverged, InputError, require
 from sphsolid.record.snapshot import Snapshot
 from sphsolid.scenes.scene import Scene
+from studies.report.places import cell_means_at_vertices
 
+#: Before the name of a field: its means over cells, carried to the vertices.
+CELL = "cell_"
+_FIELDS = ("pressure", "von_mises", "J")
 #: Fields a frame keeps, values at the vertices.
-KEPT = ("pressure", "von_mises", "J")
-_FORMAT = 1
+KEPT = (*_FIELDS, *(CELL + name for name in _FIELDS))
+_FORMAT = 2
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,14 +39,16 @@ class Shot:
     """A body at ``time`` [s], ``label`` saying by which method.
 
     ``quads (f, 4)`` int32, counter-clockwise seen from outside; ``x (N, 3)`` float32 [m] all
-    primary points; ``values``: ``pressure`` [Pa], ``von_mises`` [Pa], ``J`` [-], each ``(N,)``
-    float32; ``spacing`` [m] of the undeformed points.
+    primary points; ``V (N,)`` float32 [m^3] their volumes; ``values``: ``pressure`` [Pa],
+    ``von_mises`` [Pa], ``J`` [-], and with :data:`CELL` before the name the same as means over
+    cells, each ``(N,)`` float32; ``spacing`` [m] of the undeformed points.
     """
 
     label: str
     time: float
     quads: NDArray[np.int32]
     x: NDArray[np.float32]
+    V: NDArray[np.float32]
     values: dict[str, NDArray[np.float32]]
     spacing: float
 
@@ -76,12 +83,15 @@ Frame = Shot | Lost | Absent
 
 def take_shot(snapshot: Snapshot, label: str) -> Shot:
     """The frame of a snapshot of either solver."""
+    values = {name: snapshot.at_vertices(name) for name in _FIELDS}
+    values |= {CELL + name: cell_means_at_vertices(snapshot, name) for name in _FIELDS}
     return Shot(
         label=label,
         time=float(snapshot.time),
         quads=snapshot.mesh.boundary.astype(np.int32),
         x=snapshot.x.astype(np.float32),
-        values={name: snapshot.at_vertices(name).astype(np.float32) for name in KEPT},
+        V=snapshot.V.astype(np.float32),
+        values={name: field.astype(np.float32) for name, field in values.items()},
         spacing=float(snapshot.mesh.spacing),
     )
 
@@ -97,6 +107,7 @@ def save_shot(path: Path, shot: Shot) -> Path:
         spacing=np.float64(shot.spacing),
         quads=shot.quads,
         x=shot.x,
+        V=shot.V,
         **{f"value_{name}": values for name, values in shot.values.items()},  # type: ignore[arg-type]
     )
     write_whole(path, buffer.getvalue())
@@ -120,6 +131,7 @@ def load_shot(path: Path) -> Shot:
                 spacing=float(data["spacing"]),
                 quads=data["quads"],
                 x=data["x"],
+                V=data["V"],
                 values={
                     key.removeprefix("value_"): data[key]
                     for key in data.files

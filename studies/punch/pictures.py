@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import pandas as pd
@@ -12,7 +12,7 @@ from studies.convergence.figures import select
 from studies.harness.results import Results
 from studies.pictures.colours import ColourRange
 from studies.pictures.panels import Layout, panel_figure
-from studies.pictures.shots import Absent, Frame, Lost, Shot, ShotFolder
+from studies.pictures.shots import CELL, Absent, Frame, Lost, ShotFolder
 from studies.pictures.view import flat_view
 from studies.punch.cases import COMPARED
 from studies.punch.methods import DISPLACEMENT, FEM, GALERKIN, H1, H6, H6_NO_TAU_P, LABELS
@@ -20,9 +20,12 @@ from studies.report.plotting import save_figure
 
 #: Ends of the colour bar [Pa], the same in every picture, so that they can be compared.
 PRESSURE = 4.0e6
-COLOURS = ColourRange("pressure", -PRESSURE, PRESSURE, (True, True))
-#: (a) to (d) of Fig. 10, and the finite elements.
-FIG_10 = (DISPLACEMENT, GALERKIN, H6_NO_TAU_P, H6, FEM)
+#: What particles have, fluctuations and all: a mean over cells would hide them.
+OWN = ColourRange("pressure", -PRESSURE, PRESSURE, (True, True))
+#: The same of particles and elements: means over cells.
+ALIKE = ColourRange(CELL + "pressure", -PRESSURE, PRESSURE, (True, True))
+#: (a) to (d) of Fig. 10: particles alone, whose own values are shown.
+FIG_10 = (DISPLACEMENT, GALERKIN, H6_NO_TAU_P, H6)
 READINGS = ("initial", "held")
 
 
@@ -61,17 +64,19 @@ def _frame(
     found = ShotFolder(results.out / "shots").load(run["key"].iloc[0], time)
     if isinstance(found, Lost):
         return Lost(label=label, time=time, lost_at=found.lost_at)
-    return Shot(label, found.time, found.quads, found.x, found.values, found.spacing)
+    return replace(found, label=label)
 
 
-def _save(grid: Sequence[Sequence[Frame]], stem: Path) -> Path | Nothing:
+def _save(
+    grid: Sequence[Sequence[Frame]], stem: Path, colours: ColourRange = ALIKE
+) -> Path | Nothing:
     """Draw; nothing where most panels would be empty, as in the short form."""
     frames = [frame for row in grid for frame in row]
     if 2 * sum(isinstance(frame, Absent) for frame in frames) >= len(frames):
         return Nothing()
     figure = panel_figure(
         grid,
-        colours=COLOURS,
+        colours=colours,
         view=flat_view(right="x", up="z"),
         layout=Layout(width=7.2, height=8.5),
     )
@@ -79,12 +84,12 @@ def _save(grid: Sequence[Sequence[Frame]], stem: Path) -> Path | Nothing:
 
 
 def evolution_picture(results: Results, press: str, operator: str, stem: Path) -> Path | Nothing:
-    """After Fig. 10: methods down, 5, 10 and 15 ms across; gives ``stem``."""
+    """After Fig. 10: particle methods down, 5, 10 and 15 ms across; gives ``stem``."""
     grid = [
         [_frame(results, press, method, time, operator) for time in (0.005, 0.01, COMPARED)]
         for method in FIG_10
     ]
-    return _save(grid, stem)
+    return _save(grid, stem, OWN)
 
 
 def comparison_picture(results: Results, stem: Path) -> Path | Nothing:

@@ -57,7 +57,8 @@ def _scaled(table: pd.DataFrame) -> pd.DataFrame:
 def _shape_table(table: pd.DataFrame, press: str) -> Table:
     finest = select(table, press=press, method=FEM).sort_values("cells")["lattice"]
     return Table(
-        f"{press}: the top face and the pressure [MPa] at 15 ms; noise, mean to 15 ms and later; "
+        f"{press}: the top face and percentiles of the pressure by volume [MPa] at 15 ms; "
+        "noise, mean to 15 ms and later; "
         "difference [mm] of the range of the top from the finest B-bar "
         f"({finest.iloc[-1] if len(finest) else 'not run'}; root mean square over the records "
         "to 15 ms) and of the top edge at 15 ms from B-bar on the same and the finest lattice, "
@@ -124,7 +125,8 @@ def report(results: Results) -> Document:
                 [
                     *_picture(
                         comparison_picture(results, out / "comparison"),
-                        "At 15 ms, after Fig. 11: initial velocity (left) and held (right). The "
+                        "At 15 ms, after Fig. 11: initial velocity (left) and held (right); "
+                        "pressure of particles and of elements alike as means over cells. The "
                         "paper has JST-SPH in the place of the finite elements.",
                     ),
                     Table(
@@ -203,8 +205,8 @@ def _pressure(results: Results, lattice: str) -> list[Block]:
         stem = results.out / f"evolution_{press}_{operator}".lower()
         found += _picture(
             evolution_picture(results, press, operator, stem),
-            f"After Fig. 10: {press}, {operator} operator, {lattice}. Pressure kappa (J - 1), "
-            "positive in tension.",
+            f"After Fig. 10: {press}, {operator} operator, {lattice}. Pressure, positive in "
+            "tension, as the particles have it: a mean over cells would hide its fluctuations.",
         )
     return found
 
@@ -246,7 +248,8 @@ def _sequence(results: Results, lattice: str) -> list[Block]:
     for press in READINGS:
         found += _picture(
             sequence_picture(results, press, results.out / f"sequence_{press}"),
-            f"After Fig. 12: {press}, {lattice}, {{p,F,H,J}} SUPG-SPH-H1 and B-bar FEM. There is "
-            "no self-contact: where the block folds over it passes through itself.",
+            f"After Fig. 12: {press}, {lattice}, {{p,F,H,J}} SUPG-SPH-H1 and B-bar FEM, pressure "
+            "of both as means over cells. There is no self-contact: where the block folds over it "
+            "passes through itself.",
         )
     return found

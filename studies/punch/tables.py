@@ -59,9 +59,10 @@ def measures(
 ) -> dict[str, float]:
     """The numbers of one run, :data:`MEASURED`; ``nan`` where the run did not get so far.
 
-    At 15 ms: heights of the top face [m], pressure percentiles [Pa], noise, impulse [N s] of
-    floor and punch.  ``top_rms`` [m]: distance of the lowest or the highest height, the larger,
-    from that of the finest finite elements, root mean square over the records to 15 ms.
+    At 15 ms: heights of the top face [m], percentiles by volume of the pressure [Pa], noise,
+    impulse [N s] of floor and punch.  ``top_rms`` [m]: distance of the lowest or the
+    highest height, the larger, from that of the finest finite elements, root mean square over the
+    records to 15 ms.
     ``profile_same``, ``profile_finest`` [m]: largest difference of the edge from elements of
     the same, of the finest lattice.  ``noise_mean``: over the records to 15 ms, ``noise_late``
     after.  Energies at the last record, as shares of what was supplied: the energy at the start

@@ -59,9 +59,9 @@ def report(results: Results) -> Document:
                         {"particles": ".0f", "secondary": ".0f", "against_H1": "+.1%"},
                     ),
                     Table(
-                        "Percentiles 1 and 99 of the pressure [Pa], lowest and highest height of "
-                        "the top [m] at the end; missed_momentum: linear momentum that no roller "
-                        "gave, over that of the start.",
+                        "Percentiles 1 and 99 of the pressure by volume [Pa], lowest and highest "
+                        "height of the top [m] at the end; missed_momentum: linear momentum "
+                        "that no roller gave, over that of the start.",
                         table[others],
                         {"top_low": ".4f", "top_high": ".4f"},
                     ),

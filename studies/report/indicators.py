@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from sphsolid.geometry.cell_shape import CORNERS
 from sphsolid.geometry.mesh import HexMesh, hexahedra
 from sphsolid.record import Snapshot
+from studies.report.percentiles import weighted_percentile
 
 Array = NDArray[np.float64]
 Triples = NDArray[np.int64]
@@ -87,8 +88,8 @@ def pressure_noise(snapshot: Snapshot, *, above: float = -math.inf) -> float:
 
 
 def pressure_range(snapshot: Snapshot, low: float = 1.0, high: float = 99.0) -> tuple[float, float]:
-    """Percentiles of the pressure ``U'(J)`` [Pa] over the points where stress is evaluated."""
-    ends = np.percentile(snapshot.pressure, [low, high])
+    """Percentiles of the pressure [Pa] by the volume of the points where stress is evaluated."""
+    ends = weighted_percentile(snapshot.pressure, snapshot.stress_V, [low, high])
     return float(ends[0]), float(ends[1])
 
 

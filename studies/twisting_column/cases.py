@@ -24,6 +24,8 @@ from sphsolid.scheme.stabilisation import Stabilisation
 from studies.convergence.cases import FORMULATIONS, OPERATORS, SECONDARY, TIMES
 from studies.pictures.shots import SaveShots, ShotFolder
 from studies.report.indicators import pressure_noise, twist_of_top, whole_turns
+from studies.report.percentiles import weighted_percentile
+from studies.report.places import in_cells
 from studies.twisting_column.methods import INTEGRATORS, SELF_ADJOINT
 
 Array = NDArray[np.float64]
@@ -40,15 +42,9 @@ CORNER = np.array([0.5, 0.0, 0.5])
 
 
 def cell_pressure(snapshot: Snapshot) -> tuple[Array, Array]:
-    """Centroids ``(C, 3)`` [m] and the pressure there ``(C,)`` [Pa]: means of the eight corners.
-
-    So particles and elements are compared at points of one kind that stand for equal volumes.
-    """
-    cells = snapshot.mesh.cells
-    centroids = snapshot.X[cells].mean(axis=1)
-    if len(snapshot.J) == len(cells):
-        return centroids, snapshot.pressure
-    return centroids, np.asarray(snapshot.pressure[cells].mean(axis=1))
+    """Centroids ``(C, 3)`` [m] of the cells and the pressure there ``(C,)`` [Pa]."""
+    found = in_cells(snapshot, "pressure")
+    return found.X, found.values
 
 
 @dataclass(frozen=True)
@@ -56,37 +52,50 @@ class ColumnState:
     """What the paper's figures show of the column, as numbers."""
 
     def record(self, snapshot: Snapshot, scene: Scene) -> dict[str, float]:
-        """Twist, height, noise and percentiles of the pressure, range of ``J``.
+        """Twist, heights, noise and percentiles of the pressure, range of ``J``.
 
-        ``pressure_*`` at the points where the law is evaluated, ``pressure_vertices_*`` at the
-        vertices, ``pressure_cells_*`` at the cell centroids, ``pressure_free_*`` at those above
-        :data:`CLAMP`.  ``peaks_at_clamp`` is the share below :data:`CLAMP` of the evaluation
-        points whose pressure is at or above the 99th percentile.
+        ``height``: of the top's centre, ``corners``: mean of the top's four.  Percentiles are by
+        volume: ``pressure_*`` at the points where the law is evaluated, ``pressure_vertices_*`` at
+        the vertices, ``pressure_cells_*`` in the cells, ``pressure_free_*`` in those above
+        :data:`CLAMP`.  ``peaks_at_clamp`` is the share below :data:`CLAMP` of the volume whose
+        pressure is at or above the 99th percentile.
         """
         near = np.linalg.norm(snapshot.X - np.array(scene.probes["top_centre"]), axis=1)
         # With an even number of particles across none is on the axis: then the four around it.
         top = near < near.min() + 1e-9
-        X, centroid = cell_pressure(snapshot)
+        cells = in_cells(snapshot, "pressure")
+        free = cells.X[:, 1] > CLAMP
         row = {
             "angle [rad]": twist_of_top(snapshot),
             "height [m]": float(snapshot.x[top, 1].mean()),
+            "corners [m]": float(snapshot.x[top_corners(snapshot.X), 1].mean()),
             "noise": pressure_noise(snapshot),
             "noise_free": pressure_noise(snapshot, above=CLAMP),
             "J_min": float(snapshot.J.min()),
             "J_max": float(snapshot.J.max()),
         }
         fields = {
-            "": snapshot.pressure,
-            "vertices_": snapshot.at_vertices("pressure"),
-            "cells_": centroid,
-            "free_": centroid[X[:, 1] > CLAMP],
+            "": (snapshot.pressure, snapshot.stress_V),
+            "vertices_": (snapshot.at_vertices("pressure"), snapshot.V),
+            "cells_": (cells.values, cells.V),
+            "free_": (cells.values[free], cells.V[free]),
         }
-        for kind, values in fields.items():
-            for share in SHARES:
-                row[f"pressure_{kind}{share} [Pa]"] = float(np.percentile(values, share))
+        for kind, (values, volume) in fields.items():
+            for share, value in zip(
+                SHARES, weighted_percentile(values, volume, SHARES), strict=True
+            ):
+                row[f"pressure_{kind}{share} [Pa]"] = float(value)
         peaks = snapshot.pressure >= row["pressure_99 [Pa]"]
-        row["peaks_at_clamp"] = float(np.mean(snapshot.stress_X[peaks, 1] <= CLAMP))
+        at_clamp = snapshot.stress_X[peaks, 1] <= CLAMP
+        row["peaks_at_clamp"] = float(np.average(at_clamp, weights=snapshot.stress_V[peaks]))
         return row
+
+
+def top_corners(X: Array) -> NDArray[np.bool_]:
+    """Which undeformed points ``(n, 3)`` are the four corners of the top face."""
+    off = np.abs(X[:, [0, 2]])
+    corner = (off > off.max() - 1e-9).all(axis=1)
+    return np.asarray(corner & (X[:, 1] > X[:, 1].max() - 1e-9))
 
 
 RECORD = (ColumnState(), EnergyLedger(), MomentumDrift(), Reactions())

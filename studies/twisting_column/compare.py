@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import RegularGridInterpolator
 
+from studies.report.percentiles import weighted_percentile
 from studies.twisting_column.cases import CLAMP, SHARES
 from studies.twisting_column.methods import FEM, H1, H6, LITERAL, LITERAL_H6
 
@@ -66,9 +67,11 @@ def difference(run: Row, other: Row) -> dict[str, float]:
     if run.get("grid_mean") and other.get("grid_mean"):
         own, others = _free_pressures(run, other, "grid_mean")
         row["mean_rms"] = _relative_rms(own, others)
-        for share in SHARES:
-            row[f"own_mean_{share} [Pa]"] = float(np.percentile(own, share))
-            row[f"other_mean_{share} [Pa]"] = float(np.percentile(others, share))
+        for name, values in (("own", own), ("other", others)):
+            row |= {
+                f"{name}_mean_{share} [Pa]": value
+                for share, value in percentiles_of_cells(values).items()
+            }
     return row
 
 
@@ -78,6 +81,13 @@ def _free_pressures(run: Row, other: Row, name: str) -> tuple[Array, Array]:
     free = at[1] > CLAMP
     others = _resampled(centres(other["cells"]), np.array(other[name]), at)[..., 0]
     return np.reshape(run[name], others.shape)[:, free], others[:, free]
+
+
+def percentiles_of_cells(values: Array) -> dict[int, float]:
+    """Percentiles :data:`SHARES` of what cells of one volume have."""
+    flat = values.ravel()
+    found = weighted_percentile(flat, np.ones(len(flat)), SHARES)
+    return dict(zip(SHARES, found.tolist(), strict=True))
 
 
 def _relative_rms(own: Array, others: Array) -> float:

@@ -24,6 +24,7 @@ from studies.report.plotting import (
     panels,
     save_figure,
 )
+from studies.twisting_column import outside
 from studies.twisting_column.methods import (
     DISPLACEMENT,
     FEM,
@@ -38,7 +39,7 @@ from studies.twisting_column.methods import (
     lattice,
     usual,
 )
-from studies.twisting_column.requirements import INDEPENDENT, rest_by_step
+from studies.twisting_column.requirements import rest_by_step
 
 #: Lines of the methods, the same in all figures of the study.
 LOOKS: dict[str, dict[str, Any]] = {
@@ -52,7 +53,9 @@ LOOKS: dict[str, dict[str, Any]] = {
     FEM: {"color": BLACK, "marker": "D", "linestyle": "-."},
 }
 _REFERENCE = {"color": BLACK, "linewidth": 2.0, "linestyle": "--"}
-_SHADES = {3: "#9ecae1", 4: "#4292c6", 5: "#0072B2", 10: "#08306b"}
+_SHADES = {
+    3: "#9ecae1", 4: "#6baed6", 5: "#4292c6", 6: "#0072B2", 8: "#08519c", 10: "#08306b",
+}  # fmt: skip
 
 
 def _line(ax: Axes, run: pd.DataFrame, column: str, label: str, look: dict[str, Any]) -> None:
@@ -62,10 +65,14 @@ def _line(ax: Axes, run: pd.DataFrame, column: str, label: str, look: dict[str, 
 
 def _with_reference(history: pd.DataFrame) -> pd.DataFrame:
     """Every run's ``twist off [rad]``: its twist less that of the finest elements."""
-    finest_run = select(usual(history), label=FEM, cells=finest(history))
-    twist = dict(zip(finest_run["time [s]"].round(6), finest_run["twist [rad]"], strict=True))
+    twist = _finest_twist(history)
     there = history["time [s]"].round(6).map(twist)
     return history.assign(**{"twist off [rad]": history["twist [rad]"] - there})
+
+
+def _finest_twist(history: pd.DataFrame) -> dict[float, float]:
+    finest_run = select(usual(history), label=FEM, cells=finest(history))
+    return dict(zip(finest_run["time [s]"].round(6), finest_run["twist [rad]"], strict=True))
 
 
 def histories_figure(history: pd.DataFrame, table: pd.DataFrame, stem: Path) -> Path:
@@ -73,10 +80,17 @@ def histories_figure(history: pd.DataFrame, table: pd.DataFrame, stem: Path) -> 
     figure, axes = panels(3, 2, width=4.4, height=2.5)
     history = _with_reference(usual(history))
     cells, most = common_lattice(table), finest(history)
-    for row, (column, name, key) in enumerate(
-        (("twist [rad]", "twist of the top [rad]", "twist"),
-         ("twist off [rad]", "twist less the reference [rad]", ""),
-         ("height [m]", "height of the top's centre [m]", "height"))
+    known = {ms: outside.twist(ms) for ms in outside.INSTANTS}
+    elements = _finest_twist(history)
+    there = {ms: elements.get(round(1e-3 * ms, 6), float("nan")) for ms in known}
+    marks = {
+        "twist [rad]": [known[ms].value for ms in known],
+        "twist off [rad]": [known[ms].value - there[ms] for ms in known],
+    }
+    for row, (column, name) in enumerate(
+        (("twist [rad]", "twist of the top [rad]"),
+         ("twist off [rad]", "twist less that of finest B-bar [rad]"),
+         ("height [m]", "height of the top's centre [m]"))
     ):  # fmt: skip
         left, right = axes[row]
         for number, run in select(history, label=H1).groupby("cells"):
@@ -87,12 +101,11 @@ def histories_figure(history: pd.DataFrame, table: pd.DataFrame, stem: Path) -> 
             if len(run):
                 _line(right, run, column, f"{label}, {lattice(cells)}", LOOKS[label])
         run = select(history, label=FEM, cells=most)
-        _line(left, run, column, f"{FEM}, {lattice(most)} (reference)", _REFERENCE)
+        _line(left, run, column, f"{FEM}, {lattice(most)} (finest)", _REFERENCE)
         for ax in (left, right):
-            if key:
-                times = list(INDEPENDENT[key])
-                ax.plot(times, [INDEPENDENT[key][ms] for ms in times], "x", color=BLACK,
-                        markersize=7, label="independent FE, 12x72x12 cells", zorder=5)  # fmt: skip
+            if column in marks:
+                ax.plot(list(known), marks[column], "x", color=BLACK, markersize=7,
+                        label=outside.NAME, zorder=5)  # fmt: skip
             ax.set(xlabel="time [ms]", ylabel=name)
     axes[0, 0].set_title("paper's H1 by lattice")
     axes[0, 1].set_title(f"methods at {lattice(cells)}")

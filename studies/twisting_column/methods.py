@@ -116,6 +116,13 @@ def finest(frame: pd.DataFrame, label: str = FEM) -> int:
     return int(select(usual(frame), label=label)["cells"].max())
 
 
+def finest_of(frame: pd.DataFrame, *labels: str) -> int:
+    """The most cells per metre that all these methods were run with; 0 where there is none."""
+    part = usual(frame)
+    shared = set.intersection(*(set(select(part, label=label)["cells"]) for label in labels))
+    return int(max(shared, default=0))
+
+
 def common_lattice(frame: pd.DataFrame) -> int:
     """The lattice on which methods are compared: 6x31x6 where most were run on it."""
     counts = usual(frame).groupby("cells")["label"].nunique()

@@ -11,7 +11,7 @@ import pandas as pd
 from studies.convergence.figures import select
 from studies.pictures.colours import limits
 from studies.pictures.panels import Layout, panel_figure
-from studies.pictures.shots import Frame, ShotFolder
+from studies.pictures.shots import CELL, Frame, ShotFolder
 from studies.report.plotting import save_figure
 from studies.twisting_column.cases import shot_key
 from studies.twisting_column.methods import (
@@ -34,13 +34,13 @@ PAPER = Layout(width=9.5, height=5.2)
 
 
 def columns_picture(panels: Sequence[Panel], folder: ShotFolder, stem: Path) -> Path:
-    """Surfaces side by side, coloured by pressure, one colour bar for all; gives ``stem``."""
+    """Surfaces side by side, pressure as means over cells, one colour bar; gives ``stem``."""
     row: list[Frame] = []
     for heading, label, cells, time in panels:
         row.append(replace(folder.load(shot_key(label, cells), time), label=heading))
     # A method without damping has pressures beyond all others: it must not set the colours.
     seen = [frame for frame, panel in zip(row, panels, strict=True) if panel[1] != DISPLACEMENT]
-    colours = limits(seen, percentile=98.0)
+    colours = limits(seen, field=CELL + "pressure", percentile=98.0)
     return save_figure(panel_figure([row], colours=colours, layout=PAPER), stem)
 
 

@@ -9,7 +9,17 @@ import pandas as pd
 from studies.convergence.figures import select
 from studies.report.plotting import BLACK, BLUE, VERMILION, outside_legend, panels, save_figure
 from studies.twisting_column.figures import LOOKS
-from studies.twisting_column.methods import FEM, H1, H6, NO_TAU_P, TOOLKIT, finest, lattice, usual
+from studies.twisting_column.methods import (
+    FEM,
+    H1,
+    H6,
+    NO_TAU_P,
+    TOOLKIT,
+    finest,
+    finest_of,
+    lattice,
+    usual,
+)
 from studies.twisting_column.requirements import INDEPENDENT_PRESSURE
 
 _WHERE = (
@@ -68,7 +78,7 @@ def noise_figure(history: pd.DataFrame, stem: Path) -> Path:
     """High-frequency share of the pressure above the clamp over time, by tau_p and lattice."""
     figure, axes = panels(1, 2, width=4.0, height=3.0)
     coarse = 5 if 5 in set(select(usual(history), label=TOOLKIT)["cells"]) else 3
-    for ax, cells in zip(axes.flat, (coarse, finest(history, TOOLKIT)), strict=True):
+    for ax, cells in zip(axes.flat, (coarse, finest_of(history, TOOLKIT, NO_TAU_P)), strict=True):
         for label in (H1, H6, TOOLKIT, NO_TAU_P, FEM):
             run = select(usual(history), label=label, cells=cells).iloc[1:]
             if len(run):

@@ -1,15 +1,26 @@
-"""The main table of the twisting column: one row a run, from its history and its comparisons."""
+"""The main table of the twisting column, one row a run, and the figures that README quotes of it.
+
+``python -m studies.twisting_column.summary [folder]`` prints the latter from a finished run.
+"""
 
 from __future__ import annotations
 
+import sys
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pandas as pd
 
+from studies.convergence.figures import select
+from studies.harness.cases import ROOT
+from studies.harness.results import Tables, read_results
+from studies.twisting_column import outside
 from studies.twisting_column.cases import CLAMP
-from studies.twisting_column.compare import centres, kink
-from studies.twisting_column.methods import FEM
+from studies.twisting_column.compare import centres, kink, percentiles_of_cells
+from studies.twisting_column.methods import FEM, H1, H6, TOOLKIT, lattice, usual
+from studies.twisting_column.sequence import TooFew, twist_error, twist_sequence
+from studies.twisting_column.verdicts import claims
 
 Row = dict[str, Any]
 #: What tells runs apart.
@@ -35,7 +46,8 @@ _STATE = [
 ]
 COLUMNS = [
     *RUN, *SETTING, *(f"twist_{ms}" for ms in INSTANTS), "twist_max", "time_of_max",
-    *(f"height_{ms}" for ms in INSTANTS), "energy_kept", *_WORKS, "rest", "rest_largest",
+    *(f"height_{ms}" for ms in INSTANTS), "corners_100", "energy_kept", *_WORKS,
+    "rest", "rest_largest",
     *_STATE, "peaks_at_clamp", *(f"noise_{ms}" for ms in INSTANTS),
     *(f"noise_free_{ms}" for ms in INSTANTS), "noise_free_mean",
     "J_min", "J_max", "reaction_y_largest", "reaction_y_end",
@@ -73,7 +85,7 @@ def _of_history(history: pd.DataFrame) -> Row:
     for ms in INSTANTS:
         at = history[np.isclose(time, 1e-3 * ms)]
         for name, column in (
-            ("twist", "twist [rad]"), ("height", "height [m]"),
+            ("twist", "twist [rad]"), ("height", "height [m]"), ("corners", "corners [m]"),
             ("noise", "noise"), ("noise_free", "noise_free"),
         ):  # fmt: skip
             row[f"{name}_{ms}"] = float(at[column].iloc[0]) if len(at) else float("nan")
@@ -119,5 +131,30 @@ def _of_means(run: Row) -> Row:
         return {}
     free = np.broadcast_to(centres(run["cells"])[1] > CLAMP, (run["cells"], 6 * run["cells"]))
     mean = np.reshape(run["grid_mean"], (*free.shape, run["cells"]))[free]
-    row: Row = {f"pressure_mean_{share}": np.percentile(mean, share) for share in (1, 50, 99)}
+    row: Row = {f"pressure_mean_{s}": value for s, value in percentiles_of_cells(mean).items()}
     return row | {"ringing": run["ringing"]}
+
+
+def quoted(tables: Tables) -> str:
+    """What README quotes: every claim as judged, the sequences, and runs at 6x31x6 and finer."""
+    lines = [f"{one.claim}: {one.verdict}. {one.measured}" for one in claims(tables)]
+    runs = usual(tables["table"])
+    lines += ["", f"Twist at 0.1 s against {outside.NAME} ({outside.twist().value:g} rad):"]
+    for label in (H1, H6, TOOLKIT, FEM):
+        found = twist_sequence(runs, label)
+        if not isinstance(found, TooFew):
+            lines.append(f"{label}: {found.text()}")
+    lines += ["", "Largest error of the twist at 20 .. 100 ms, energy kept, steps:"]
+    for label in (H1, H6, TOOLKIT, FEM):
+        for _, run in select(runs, label=label).sort_values("cells").iterrows():
+            if run["survived"]:
+                lines.append(
+                    f"{label}, {lattice(int(run['cells']))}: {100 * twist_error(run):.2f} %, "
+                    f"{100 * run['energy_kept']:.1f} %, {run['steps']} steps"
+                )
+    return "\n".join(lines)
+
+
+if __name__ == "__main__":
+    folder = Path(sys.argv[1]) if len(sys.argv) > 1 else ROOT / "reports" / "twisting_column"
+    print(quoted(read_results("twisting_column", folder).tables))

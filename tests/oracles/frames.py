@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from sphsolid.geometry.integrals import vertex_volumes
 from sphsolid.scenes import Box
-from studies.pictures.shots import Shot
+from studies.pictures.shots import KEPT, Shot
 
 
 def box_shot(
@@ -21,7 +22,8 @@ def box_shot(
         time=time,
         quads=mesh.boundary.astype(np.int32),
         x=x.astype(np.float32),
-        values={name: values.copy() for name in ("pressure", "von_mises", "J")},
+        values={name: values.copy() for name in KEPT},
+        V=vertex_volumes(mesh).astype(np.float32),
         spacing=mesh.spacing,
     )
 

@@ -50,6 +50,24 @@ def test_a_spike_does_not_wash_out_the_rest():
     assert limits([shot(values)], percentile=100.0).high == pytest.approx(1e9)
 
 
+def test_colours_count_volume_and_not_points():
+    """The skin of a lattice: half of its points, and a quarter of the volume."""
+    made = box_shot(spacing=0.1)
+    skin = (made.x == 0.0).any(axis=1) | (np.abs(made.x - 1.0) < 1e-6).any(axis=1)
+    made.values["pressure"][:] = np.where(skin, 5.0, 1.0)
+    assert skin.mean() > 0.45
+    assert limits([made], percentile=70.0).high == 1.0
+    assert limits([made], percentile=80.0).high == 5.0
+
+
+def test_means_over_cells_say_so_at_the_bar():
+    made = shot([2.0])
+    found = limits([made], field="cell_pressure")
+    assert found.high == 2.0
+    assert "cell means" in found.look.name
+    assert found.look.unit == "Pa"
+
+
 def test_grids_are_looked_into_and_empty_panels_passed_over():
     grid = [[shot([1.0]), Absent("m", 0.0)], [shot([-4.0]), shot([np.nan])]]
     assert limits(grid).high == 4.0

@@ -8,23 +8,26 @@ import numpy as np
 import pytest
 
 from sphsolid.errors import Diverged, InputError
-from sphsolid.scenes import Box
+from sphsolid.record import Snapshot
+from sphsolid.scenes import Box, twisting_column
 from studies.pictures import shots
-from studies.pictures.shots import KEPT, Lost, SaveShots, ShotFolder, load_shot, save_shot
+from studies.pictures.shots import CELL, KEPT, Lost, SaveShots, ShotFolder, load_shot, save_shot
 from tests.oracles.frames import box_shot, twisted
 
+MATERIAL = twisting_column().material
 NOISY = {"move": twisted(0.3), "field": lambda x: np.random.default_rng(3).normal(size=len(x))}
 
 
-class OneCell:
-    """The part of a snapshot that frames need, of a body of one cell."""
-
-    def __init__(self, time):
-        self.time, self.mesh = time, Box((0, 0, 0), (1, 1, 1)).mesh(1.0)
-        self.x = self.mesh.vertices + time
-
-    def at_vertices(self, name):
-        return np.full(8, float(KEPT.index(name)))
+def one_cell(time):
+    """A body of one cell that moves along, its first vertex under tension."""
+    mesh = Box((0, 0, 0), (1, 1, 1)).mesh(1.0)
+    eye = np.broadcast_to(np.eye(3), (8, 3, 3))
+    X, V = mesh.vertices, np.full(8, 0.125)
+    return Snapshot(
+        time=time, step=0, material=MATERIAL, mesh=mesh, X=X, V=V, x=X + time,
+        velocity=np.zeros((8, 3)), stress_X=X, stress_V=V, F=eye, P=0.0 * eye,
+        J=np.where(np.arange(8) == 0, 1.25, 1.0), strain_energy=0.0,
+    )  # fmt: skip
 
 
 def lost_at(time):
@@ -72,7 +75,7 @@ def test_missing_and_broken_frames_are_named(tmp_path):
     folder = ShotFolder(tmp_path / "shots")
     with pytest.raises(InputError, match="no frames of 'x'"):
         folder.load_all("x")
-    folder.save("x", OneCell(0.25), "x")
+    folder.save("x", one_cell(0.25), "x")
     with pytest.raises(InputError, match=r"no frame of 'x' at 0\.5 s in shots/ \(kept: 0\.25\)"):
         folder.load("x", 0.5)
 
@@ -90,7 +93,7 @@ def test_cases_do_not_mix(tmp_path):
     keys = ["a", "a b", "[a]{p,F}", "a@2"]
     for number, key in enumerate(keys):
         for time in (0.5, 0.0, 0.125 * number + 1.0):
-            folder.save(key, OneCell(time), key)
+            folder.save(key, one_cell(time), key)
     for number, key in enumerate(keys):
         assert [shot.time for shot in folder.load_all(key)] == [0.0, 0.5, 0.125 * number + 1.0]
         assert {shot.label for shot in folder.load_all(key)} == {key}
@@ -102,21 +105,21 @@ def test_cases_do_not_mix(tmp_path):
 
 def test_keys_that_differ_only_in_signs_do_not_mix(tmp_path):
     folder = ShotFolder(tmp_path)
-    folder.save("p_F", OneCell(0.0), "one")
-    folder.save("{p,F}", OneCell(0.0), "two")
+    folder.save("p_F", one_cell(0.0), "one")
+    folder.save("{p,F}", one_cell(0.0), "two")
     assert folder.load("p_F", 0.0).label == "one"
     assert folder.load("{p,F}", 0.0).label == "two"
 
 
 def test_times_are_found_through_round_off(tmp_path):
     folder = ShotFolder(tmp_path)
-    folder.save("a", OneCell(0.1 + 0.2), "a")
+    folder.save("a", one_cell(0.1 + 0.2), "a")
     assert folder.load("a", 0.3).time == 0.1 + 0.2
 
 
 def test_a_lost_run_says_so_from_then_on(tmp_path):
     folder = ShotFolder(tmp_path)
-    folder.save("a", OneCell(0.1), "the method")
+    folder.save("a", one_cell(0.1), "the method")
     folder.save_lost("a", "the method", lost_at(0.15))
     assert folder.load("a", 0.1).label == "the method"
     assert folder.load("a", 0.2) == Lost("the method", 0.2, lost_at=0.15)
@@ -134,9 +137,15 @@ def test_the_recorder_keeps_the_times_asked_for(tmp_path):
     every = SaveShots(folder, "every", "m")
     for k in range(5):
         for recorder in (some, every):
-            assert recorder.record(OneCell(0.1 * k), scene=None) == {}
+            assert recorder.record(one_cell(0.1 * k), scene=None) == {}
     assert [s.time for s in folder.load_all("some")] == pytest.approx([0.1, 0.3])
     assert len(folder.load_all("every")) == 5
     shot = folder.load("some", 0.1)
-    assert [shot.values[name][0] for name in KEPT] == [0.0, 1.0, 2.0]
+    kappa = MATERIAL.kappa
+    own = {"pressure": 0.25 * kappa, "von_mises": 0.0, "J": 1.25}
+    over_the_cell = {"pressure": kappa / 32.0, "von_mises": 0.0, "J": 1.0 + 1.0 / 32.0}
+    for name in own:
+        assert shot.values[name][0] == pytest.approx(own[name])
+        assert shot.values[CELL + name] == pytest.approx([over_the_cell[name]] * 8)
+    assert shot.V.tolist() == [0.125] * 8
     assert shot.quads.shape == (6, 4)
