@@ -2,8 +2,9 @@
 
 ``python -m studies.picture`` runs the column at nu = 0.495 with 8 cells across (9x49x9 particles)
 and writes ``docs/twisting_column.png``; its frames stay in ``out/picture``, and ``--redraw`` uses
-them again.  Colour: pressure U'(J), positive in tension, of particles and elements alike as means over
-cells, carried to the vertices; half a per cent of the volume is beyond the ends of the bar.
+them again.  Colour: pressure ``U'(J)``, positive in tension, of particles and elements alike as
+means over cells, carried to the vertices; half a per cent of the volume is beyond the ends of the
+bar.
 """
 
 from __future__ import annotations
