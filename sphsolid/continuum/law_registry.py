@@ -139,8 +139,12 @@ def in_kernels(material: Any) -> Any:
     digest = source.digest
     if digest not in _IN_KERNELS:
         source.compilable()
-        made = kernel_type(digest, kind)
+        made = kernel_type(digest, kind, _again)
         _LAWS[made] = _law(functions, stated)
         _compilable(_LAWS[made])
         _IN_KERNELS[digest] = made
-    return _IN_KERNELS[digest](*material)
+    return tuple.__new__(_IN_KERNELS[digest], material)
+
+
+def _again(parameters: type, values: tuple[Any, ...]) -> Any:
+    return in_kernels(tuple.__new__(parameters, values))

@@ -62,6 +62,8 @@ class LawSource:
         self._met: dict[int, tuple[FunctionType, FunctionType]] = {}
         self._modules: dict[tuple[str, frozenset[str]], ModuleType] = {}
         self.copies: list[FunctionType] = []
+        # numba learns of a decorated function when it next compiles one.
+        cpu_target.typing_context.refresh()
 
     @property
     def digest(self) -> str:

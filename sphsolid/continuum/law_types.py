@@ -12,16 +12,25 @@ so that the list can be read; nothing ever has that type here.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 _PREFIX = "Law_"
 _KNOWN: dict[str, type] = {}
 
 
-def kernel_type(digest: str, parameters: type) -> type:
-    """The subclass of ``parameters`` that stands for the law with this ``digest``."""
+def kernel_type(digest: str, parameters: type, again: Callable[..., Any]) -> type:
+    """The subclass of ``parameters`` that stands for the law with this ``digest``.
+
+    A copy or a pickle of an instance is ``again(parameters, values)``.
+    """
     name = _PREFIX + digest
-    made = type(name, (parameters,), {"__slots__": (), "__module__": __name__})
+    content = {
+        "__slots__": (),
+        "__module__": __name__,
+        "__reduce__": lambda material: (again, (parameters, tuple(material))),
+    }
+    made = type(name, (parameters,), content)
     _KNOWN[name] = made
     return made
 
