@@ -32,6 +32,7 @@ from sphsolid.record.output import NO_OUTPUT
 from sphsolid.record.probes import check_probes
 from sphsolid.record.recorders import Recorder
 from sphsolid.record.samples import Sampler, Samples
+from sphsolid.scenes.checks import number
 from sphsolid.scenes.scene import Scene, check_scene
 
 Array = NDArray[np.float64]
@@ -74,6 +75,8 @@ class Simulation:
         self.cfl = cfl
         self.time = 0.0
         self.step = 0
+        if not isinstance(spacing, AsMeshed):
+            number("spacing", spacing, "m")
         edge = spacing if isinstance(spacing, AsMeshed) else element.cell_size(spacing)
         self._arguments = {"spacing": spacing, "element": element, "cfl": cfl}
         mesh = hexahedra(scene.body.mesh(edge), f"element = {element.name}")

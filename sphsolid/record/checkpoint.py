@@ -156,13 +156,19 @@ def put_back(solver: Solver, checkpoint: Checkpoint, what: str, *, counts: bool 
     With ``counts`` its totals go on from those of the checkpoint.  Raises ``InputError`` where the
     arrays are not those of ``solver``, and changes nothing then.
     """
-    targets = solver.state_arrays()
-    if not any(name.startswith(ACCOUNT) for name in targets) and any(
-        name.startswith(ACCOUNT) for name in checkpoint.arrays
-    ):
-        # The account goes on, not one that begins here.
+    _write_over(solver.state_arrays(), checkpoint, what)
+    kept = [name for name in checkpoint.arrays if name.startswith(ACCOUNT)]
+    if kept and not solver.state_arrays().keys() & set(kept):
+        # That account goes on, not one that begins here.
         solver.track_balance()
-        targets = solver.state_arrays()
+        _write_over(solver.state_arrays(), checkpoint, what)
+    solver.time, solver.step = checkpoint.time, checkpoint.step
+    if counts:
+        solver.go_on(checkpoint.totals)
+    solver.state_changed()
+
+
+def _write_over(targets: dict[str, Array], checkpoint: Checkpoint, what: str) -> None:
     for name, target in targets.items():
         found = checkpoint.arrays.get(name)
         if found is None or found.shape != target.shape or found.dtype != target.dtype:
@@ -172,10 +178,6 @@ def put_back(solver: Solver, checkpoint: Checkpoint, what: str, *, counts: bool 
             )
     for name, target in targets.items():
         target[...] = checkpoint.arrays[name]
-    solver.time, solver.step = checkpoint.time, checkpoint.step
-    if counts:
-        solver.go_on(checkpoint.totals)
-    solver.state_changed()
 
 
 def common_identity(scene: Scene, X: Array, V: Array) -> dict[str, str]:

@@ -164,7 +164,7 @@ class Scene:
         """Checked ``f0 (n, 3)`` [N/m^3] of a scene that has a body force."""
         force = self.body_force
         assert not isinstance(force, NoBodyForce)
-        return asked(force, X, what=self._named("body_force"), t=t)
+        return asked(force, X, what=self._named("body force"), t=t)
 
     def _named(self, callback: str) -> str:
         return f"scene {self.name!r}: {callback}"

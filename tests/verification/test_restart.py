@@ -172,8 +172,8 @@ def saved(tmp_path_factory: pytest.TempPathFactory) -> Path:
         ({"h_over_dx": 0.8}, "h_over_dx: 0.77 there, 0.8 here"),
         ({"cfl": 0.2}, "cfl: 0.7 there, 0.2 here"),
         ({"angular_momentum": sph.NoProjection()}, "angular_momentum"),
-        ({"spacing": 0.4}, "initial state: .*points"),
-        ({"angular_velocity": 100.0}, r"\(initial state: "),
+        ({"spacing": 0.4}, "points: .*initial velocity differs"),
+        ({"angular_velocity": 100.0}, r"\(initial velocity differs: its .* there and .* here"),
         ({"poisson_ratio": 0.49}, "material"),
     ],
 )
@@ -191,7 +191,7 @@ def test_the_other_method_is_refused(saved: Path) -> None:
 
 
 def test_other_sources_are_refused(saved: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(checkpoint, "CACHE_DIR", Path("kernels/0123456789abcdef"))
+    monkeypatch.setattr(checkpoint, "KERNEL_HASH", "0123456789abcdef")
     with pytest.raises(sph.InputError, match=r"sources: .* there, 0123456789abcdef here"):
         column().restore(saved)
 
