@@ -45,9 +45,9 @@ from sphsolid.record.checkpoint import (
 from sphsolid.record.history import History
 from sphsolid.record.march import march
 from sphsolid.record.output import NO_OUTPUT, Output
+from sphsolid.record.probes import check_probes
 from sphsolid.record.progress import Progress
 from sphsolid.record.recorders import Recorder
-from sphsolid.record.probes import check_probes
 from sphsolid.record.samples import Sampler, Samples
 from sphsolid.record.snapshot import Snapshot
 from sphsolid.record.vtu import write_vtu

@@ -45,8 +45,7 @@ class Solver(Protocol):
         ...
 
     def samples(self, times: Sequence[float]) -> Samples:
-        """What the problem's functions say at ``times`` [s]; see :mod:`~sphsolid.record.samples`.
-        """
+        """What the problem's functions say at ``times`` [s]; see ``record.samples``."""
         ...
 
     def totals(self) -> dict[str, float]:

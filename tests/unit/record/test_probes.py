@@ -49,7 +49,7 @@ def test_a_body_in_other_units_than_its_probe():
 
 def test_the_hollow_of_a_body_is_not_the_body():
     check((1.2, 1.2, 0.5), 0.25, CORNER)
-    with pytest.raises(InputError, match="0.5 m from the body"):
+    with pytest.raises(InputError, match=r"0\.5 m from the body"):
         check((1.5, 1.5, 0.5), 0.25, CORNER)
 
 
