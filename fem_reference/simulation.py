@@ -6,6 +6,7 @@ import copy
 import math
 import time
 from collections.abc import Callable, Sequence
+from numbers import Real
 from pathlib import Path
 from typing import Any
 
@@ -63,8 +64,9 @@ class Simulation:
         """
         check_scene(scene)
         require(
-            isinstance(cfl, int | float) and 0.0 < cfl <= 1.0,
-            f"cfl = {cfl!r} is outside (0, 1]; central differences are stable to about 0.85, use 0.6",
+            isinstance(cfl, Real) and 0.0 < cfl <= 1.0,
+            f"cfl = {cfl!r} is outside (0, 1]; central differences are stable to about 0.85, use "
+            "0.6",
         )
         if isinstance(element, type) or not hasattr(element, "discretise"):
             raise InputError(
@@ -251,10 +253,10 @@ class Simulation:
         """What the run has cost so far."""
         return {"run_seconds": self._wall_time, "smallest_dt": self._smallest_dt}
 
-    def go_on(self, totals: dict[str, float]) -> None:
-        """Count on from the ``totals`` of an earlier part of the run."""
-        self._wall_time += totals.get("run_seconds", 0.0)
-        self._smallest_dt = min(self._smallest_dt, totals.get("smallest_dt", math.inf))
+    def go_on_from(self, totals: dict[str, float]) -> None:
+        """Count on from ``totals``: what the run had cost up to the state that was put back."""
+        self._wall_time = totals["run_seconds"]
+        self._smallest_dt = totals["smallest_dt"]
 
     def state_arrays(self) -> dict[str, Array]:
         """The arrays that hold the state, and the account where one is kept."""

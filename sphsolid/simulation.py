@@ -208,8 +208,8 @@ class Simulation:
         major = self.cloud.particle_major
         branch.state = State.zeros(self.cloud.size, self.formulation, particle_major=major)
         branch._stepper = self.integrator.stepper(rhs, branch.state, rhs.essential)
-        branch._running_since, branch._seconds_before = None, self.run_seconds
-        put_back(branch, checkpoint_of(self), "the copy", counts=False)
+        branch._running_since = None
+        put_back(branch, checkpoint_of(self), "the copy")
         return branch
 
     def __copy__(self) -> Simulation:
@@ -361,9 +361,9 @@ class Simulation:
         """What the run has cost so far."""
         return {"run_seconds": self.run_seconds}
 
-    def go_on(self, totals: dict[str, float]) -> None:
-        """Count on from the ``totals`` of an earlier part of the run."""
-        self._seconds_before += totals.get("run_seconds", 0.0)
+    def go_on_from(self, totals: dict[str, float]) -> None:
+        """Count on from ``totals``: what the run had cost up to the state that was put back."""
+        self._seconds_before = totals["run_seconds"]
 
     def state_arrays(self) -> dict[str, Any]:
         """The arrays that hold the state, and the account where one is kept."""

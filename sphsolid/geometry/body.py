@@ -30,7 +30,8 @@ def chosen(spacing: Spacing, body: str) -> float:
     """The spacing of a body that can be meshed at any; raises ``InputError`` if none is given."""
     if isinstance(spacing, AsMeshed):
         raise InputError(f"{body} can be meshed at any spacing: give spacing = ... [m]")
-    if isinstance(spacing, bool) or not isinstance(spacing, Real):
+    given: object = spacing
+    if isinstance(given, bool) or not isinstance(given, Real):
         raise InputError(f"spacing = {spacing!r} is not a number; give a length in m")
     return spacing
 

@@ -150,11 +150,10 @@ def _other(here: dict[str, str], there: dict[str, str]) -> list[str]:
     ]
 
 
-def put_back(solver: Solver, checkpoint: Checkpoint, what: str, *, counts: bool = True) -> None:
+def put_back(solver: Solver, checkpoint: Checkpoint, what: str) -> None:
     """Put ``solver`` into the state of ``checkpoint``, which must be its own or an equal one's.
 
-    With ``counts`` its totals go on from those of the checkpoint.  Raises ``InputError`` where the
-    arrays are not those of ``solver``, and changes nothing then.
+    Raises ``InputError`` where the arrays are not those of ``solver``, and changes nothing then.
     """
     _write_over(solver.state_arrays(), checkpoint, what)
     kept = [name for name in checkpoint.arrays if name.startswith(ACCOUNT)]
@@ -163,8 +162,7 @@ def put_back(solver: Solver, checkpoint: Checkpoint, what: str, *, counts: bool 
         solver.track_balance()
         _write_over(solver.state_arrays(), checkpoint, what)
     solver.time, solver.step = checkpoint.time, checkpoint.step
-    if counts:
-        solver.go_on(checkpoint.totals)
+    solver.go_on_from(checkpoint.totals)
     solver.state_changed()
 
 

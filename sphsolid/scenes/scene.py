@@ -140,6 +140,8 @@ class Scene:
             checks.function(what, self.initial_deformation_gradient, "lambda X")
         if not isinstance(self.body_force, NoBodyForce):
             checks.function(f"{scene}: body_force", self.body_force, "lambda X, t")
+        if isinstance(self.exact, type):
+            raise InputError(f"{scene}: exact = {self.exact.__name__} is a class; make an object")
         for name, made in (
             ("constraints", checks.members("constraints", self.constraints, Constraint)),
             ("tractions", checks.members("tractions", self.tractions, Traction)),
