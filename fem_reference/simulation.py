@@ -6,7 +6,6 @@ import copy
 import math
 import time
 from collections.abc import Callable, Sequence
-from numbers import Real
 from pathlib import Path
 from typing import Any
 
@@ -64,8 +63,8 @@ class Simulation:
         """
         check_scene(scene)
         require(
-            isinstance(cfl, Real) and 0.0 < cfl <= 1.0,
-            f"cfl = {cfl!r} is outside (0, 1]; central differences are stable to about 0.85, use "
+            0.0 < number("cfl", cfl, "stable steps") <= 1.0,
+            f"cfl = {cfl} is outside (0, 1]; central differences are stable to about 0.85, use "
             "0.6",
         )
         if isinstance(element, type) or not hasattr(element, "discretise"):
@@ -243,7 +242,7 @@ class Simulation:
     def identity(self) -> dict[str, str]:
         """What a checkpoint must agree on with the simulation that takes it over."""
         options = {"method": "FEM", "element": repr(self.element), "cfl": repr(self.cfl)}
-        return common_identity(self.scene, self._mesh.vertices, self._V) | options
+        return common_identity(self.scene, self._mesh, self._V) | options
 
     def samples(self, times: Sequence[float]) -> Samples:
         """What the scene's functions say at ``times`` [s], by which a checkpoint knows them."""

@@ -51,6 +51,7 @@ from sphsolid.record.recorders import Recorder
 from sphsolid.record.samples import Sampler, Samples
 from sphsolid.record.snapshot import Snapshot
 from sphsolid.record.vtu import write_vtu
+from sphsolid.scenes.checks import number
 from sphsolid.scenes.scene import FromGeometry, Scene, check_scene
 from sphsolid.scheme.boundary import EssentialConditions, Loads
 from sphsolid.scheme.elastic_response import highest_frequency
@@ -111,6 +112,11 @@ class Simulation:
             "spacing": spacing, "angular_momentum": angular_momentum,
             "initial_strain": initial_strain,
         }  # fmt: skip
+        for name, value in self._arguments.items():
+            if isinstance(value, type):
+                raise InputError(f"{name} = {value.__name__} is a class; write {value.__name__}()")
+        if h_over_dx is not None:
+            number("h_over_dx", h_over_dx, "spacings")
         #: Options that were left to ``sphsolid.defaults``.
         self.by_default = tuple(name for name, value in given.items() if value is None)
         self.scene = scene
@@ -351,7 +357,8 @@ class Simulation:
                 "initial_strain", "integrator",
             )
         } | {"smoothing": repr(self.cloud.smoothing), "cfl": repr(self._time_step.cfl)}  # fmt: skip
-        return common_identity(self.scene, self.cloud.X, self.cloud.V) | {"method": "SPH"} | options
+        common = common_identity(self.scene, self.cloud.mesh, self.cloud.V)
+        return common | {"method": "SPH"} | options
 
     def samples(self, times: Sequence[float]) -> Samples:
         """What the scene's functions say at ``times`` [s], by which a checkpoint knows them."""

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from sphsolid.compiled import KERNEL_HASH, description
 from sphsolid.errors import InputError
+from sphsolid.geometry.mesh import Mesh
 from sphsolid.paths import path_of
 from sphsolid.record.atomic import atomic
 from sphsolid.record.samples import Samples, differences, instants
@@ -178,7 +179,7 @@ def _write_over(targets: dict[str, Array], checkpoint: Checkpoint, what: str) ->
         target[...] = checkpoint.arrays[name]
 
 
-def common_identity(scene: Scene, X: Array, V: Array) -> dict[str, str]:
+def common_identity(scene: Scene, mesh: Mesh, V: Array) -> dict[str, str]:
     """What any method must agree on: problem, points, probes, sources and libraries.
 
     Loads, motions and initial data are functions, of which there are :mod:`samples`.
@@ -193,13 +194,16 @@ def common_identity(scene: Scene, X: Array, V: Array) -> dict[str, str]:
         "material": repr(scene.material),
         "constraints": ", ".join(held) or "none",
         "loads": ", ".join(loaded) or "none",
-        "points": _hash(X, V),
+        "points": _hash(mesh.vertices, V),
         "sources": KERNEL_HASH,
         "libraries": ", ".join(f"{k} {libraries[k]}" for k in ("numba", "llvmlite", "numpy")),
+    } | {
+        f"boundary {part.face}": _hash(mesh.face(part.face))
+        for part in (*scene.constraints, *scene.tractions)
     } | {f"probe {name}": f"X = {list(place)} m" for name, place in scene.probes.items()}
 
 
-def _hash(*arrays: Array) -> str:
+def _hash(*arrays: NDArray[Any]) -> str:
     digest = hashlib.sha256()
     for array in arrays:
         digest.update(np.ascontiguousarray(array).tobytes())

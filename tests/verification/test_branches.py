@@ -161,6 +161,24 @@ def test_a_running_simulation_goes_on_in_forked_processes_and_their_children() -
     assert os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == 0
 
 
+def lost(number: int) -> None:
+    raise sph.Diverged(
+        reason="lost", time=0.5, step=number, particle=1, position=(0.0, 0.0, 1.0), advice="less"
+    )
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="needs fork")
+@pytest.mark.filterwarnings("ignore:.*fork.*:DeprecationWarning")
+def test_a_lost_solution_comes_back_from_a_worker() -> None:
+    """An exception that cannot be unpickled leaves a pool waiting for ever."""
+    with (
+        multiprocessing.get_context("fork").Pool(1) as pool,
+        pytest.raises(sph.Diverged, match=r"lost at t = 0\.5 s, step 7") as failure,
+    ):
+        pool.map_async(lost, [7]).get(timeout=60)
+    assert failure.value.position == (0.0, 0.0, 1.0)
+
+
 def stepped(sim: Any) -> bytes:
     sim.advance(1e-4)
     return bits(sim)["x"]

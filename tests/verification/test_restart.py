@@ -23,7 +23,7 @@ from sphsolid.record import (
     checkpoint,
     write_checkpoint,
 )
-from sphsolid.scenes import twisting_column
+from sphsolid.scenes import HeldVelocity, punch, twisting_column
 from tests.oracles.blocks import loaded_block
 
 RECORD = (Energy(), AngularMomentum(), EnergyLedger(), MomentumDrift(), Reactions())
@@ -238,3 +238,15 @@ def test_a_probe_elsewhere_and_another_load_are_refused_by_name(tmp_path: Path) 
             other = solver(block(**({"probes": {"tip": (1.0, 0.0, 0.0)}} | parts)), spacing=0.5)
             with pytest.raises(sph.InputError, match=named):
                 other.restore(path)
+
+
+def test_a_larger_punch_of_the_same_name_is_refused(tmp_path: Path) -> None:
+    """A fixed condition says nothing that could be sampled: its place does."""
+
+    def held(limit: float) -> Any:
+        return sph.Simulation(punch(press=HeldVelocity(limit)), spacing=0.1)
+
+    write_checkpoint(held(0.5), tmp_path / "c.npz")
+    held(0.5).restore(tmp_path / "c.npz")
+    with pytest.raises(sph.InputError, match="boundary pressed: "):
+        held(0.7).restore(tmp_path / "c.npz")

@@ -60,6 +60,23 @@ def test_a_scene_refuses_what_is_no_part_of_it(parts, named):
         made(**parts)
 
 
+@pytest.mark.parametrize(
+    ("options", "named"),
+    [
+        ({"formulation": sph.PF}, r"formulation = PF is a class; write PF\(\)"),
+        ({"stabilisation": sph.NoStabilisation}, r"write NoStabilisation\(\)"),
+        ({"operator": sph.Literal}, "operator = Literal is a class"),
+        ({"smoothing": sph.WendlandC2}, "smoothing = WendlandC2 is a class"),
+        ({"integrator": "rk2"}, "integrator = 'rk2' is not an option object"),
+        ({"stabilisation": "none"}, "stabilisation = 'none' is unknown"),
+        ({"h_over_dx": "0.77"}, "h_over_dx = '0.77' is not a number"),
+    ],
+)
+def test_an_option_that_is_no_object_is_named(options, named):
+    with pytest.raises(InputError, match=named):
+        sph.Simulation(twisting_column(), spacing=0.5, **options)
+
+
 def test_lists_are_tuples_and_places_are_copied():
     places = {"tip": np.array([0, 0, 1])}
     scene = made(constraints=[CLAMP], tractions=[Traction("Z+", pull)], probes=places)
