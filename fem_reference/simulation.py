@@ -6,6 +6,7 @@ import copy
 import math
 import time
 from collections.abc import Callable, Sequence
+from numbers import Real
 from pathlib import Path
 from typing import Any
 
@@ -62,9 +63,10 @@ class Simulation:
         stable step, in (0, 1].
         """
         check_scene(scene)
+        asked: Any = cfl
         require(
-            0.0 < number("cfl", cfl, "stable steps") <= 1.0,
-            f"cfl = {cfl} is outside (0, 1]; central differences are stable to about 0.85, use "
+            isinstance(asked, Real) and 0.0 < asked <= 1.0,
+            f"cfl = {cfl!r} is outside (0, 1]; central differences are stable to about 0.85, use "
             "0.6",
         )
         if isinstance(element, type) or not hasattr(element, "discretise"):
@@ -88,6 +90,8 @@ class Simulation:
         self._loads = loads_of(scene, sk, self._elements.load_shapes)
         self._essential = EssentialConditions.of(scene.constraints, self._mesh)
         self._sampler = Sampler(scene, self._mesh)
+        # One object for all snapshots, so that what is made for it can be kept.
+        self._shown_mesh = protected(self._mesh)
         self._V = self._elements.nodal_volumes
         self._mass = (scene.material.density * self._V)[:, None]
         self._wave_speed = reference_p_wave_speed(scene.material)
@@ -167,7 +171,7 @@ class Simulation:
             time=self.time,
             step=self.step,
             material=self.scene.material,
-            mesh=protected(self._mesh),
+            mesh=self._shown_mesh,
             X=X,
             V=V,
             x=self._x.copy(),

@@ -171,6 +171,8 @@ class Simulation:
         self.consistency = consistency_report(self.cloud, scene.body.volume)
 
         self._sampler = Sampler(scene, self.cloud.mesh)
+        # One object for all snapshots, so that what is made for it can be kept.
+        self._shown_mesh = protected(self.cloud.mesh)
         self._rhs = self._right_hand_side()
         self._rhs.loads.at(0.0)
         self.initial_strain = self._chosen_strain(initial_strain)
@@ -397,7 +399,7 @@ class Simulation:
             time=self.time,
             step=self.step,
             material=material,
-            mesh=protected(self.cloud.mesh),
+            mesh=self._shown_mesh,
             X=X,
             V=V,
             x=s.x.copy(),

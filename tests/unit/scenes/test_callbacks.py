@@ -197,7 +197,9 @@ def test_exact_solutions_are_asked_through_it():
 
 @pytest.mark.parametrize("solver", [sph.Simulation, fem.Simulation])
 def test_a_snapshot_hands_out_nothing_that_could_break_the_run(solver):
-    seen = solver(cable(), spacing=1.0).snapshot()
+    sim = solver(cable(), spacing=1.0)
+    seen = sim.snapshot()
+    assert sim.snapshot().mesh is seen.mesh
     mesh = seen.mesh
     for array in (seen.X, seen.V, seen.stress_V, mesh.vertices, mesh.cells, mesh.face("X+")):
         with pytest.raises(ValueError, match="read-only"):
