@@ -6,6 +6,7 @@ import copy
 import math
 import time
 from collections.abc import Callable, Sequence
+from numbers import Real
 from pathlib import Path
 from typing import Any
 
@@ -32,6 +33,7 @@ from sphsolid.record.output import NO_OUTPUT
 from sphsolid.record.probes import check_probes
 from sphsolid.record.recorders import Recorder
 from sphsolid.record.samples import Sampler, Samples
+from sphsolid.scenes.checks import number
 from sphsolid.scenes.scene import Scene, check_scene
 
 Array = NDArray[np.float64]
@@ -61,9 +63,11 @@ class Simulation:
         stable step, in (0, 1].
         """
         check_scene(scene)
+        asked: Any = cfl
         require(
-            isinstance(cfl, int | float) and 0.0 < cfl <= 1.0,
-            f"cfl = {cfl!r} is outside (0, 1]; central differences are stable to about 0.85, use 0.6",
+            isinstance(asked, Real) and 0.0 < asked <= 1.0,
+            f"cfl = {cfl!r} is outside (0, 1]; central differences are stable to about 0.85, use "
+            "0.6",
         )
         if isinstance(element, type) or not hasattr(element, "discretise"):
             raise InputError(
@@ -75,6 +79,8 @@ class Simulation:
         self.cfl = cfl
         self.time = 0.0
         self.step = 0
+        if not isinstance(spacing, AsMeshed):
+            number("spacing", spacing, "m")
         edge = spacing if isinstance(spacing, AsMeshed) else element.cell_size(spacing)
         self._arguments = {"spacing": spacing, "element": element, "cfl": cfl}
         mesh = hexahedra(scene.body.mesh(edge), f"element = {element.name}")
@@ -85,6 +91,8 @@ class Simulation:
         self._loads = loads_of(scene, sk, self._elements.load_shapes)
         self._essential = EssentialConditions.of(scene.constraints, self._mesh)
         self._sampler = Sampler(scene, self._mesh)
+        # One object for all snapshots, so that what is made for it can be kept.
+        self._shown_mesh = protected(self._mesh)
         self._V = self._elements.nodal_volumes
         self._mass = (scene.material.density * self._V)[:, None]
         self._wave_speed = reference_p_wave_speed(scene.material)
@@ -165,7 +173,7 @@ class Simulation:
             time=self.time,
             step=self.step,
             material=self.scene.material,
-            mesh=protected(self._mesh),
+            mesh=self._shown_mesh,
             X=X,
             V=V,
             x=self._x.copy(),
@@ -240,7 +248,7 @@ class Simulation:
     def identity(self) -> dict[str, str]:
         """What a checkpoint must agree on with the simulation that takes it over."""
         options = {"method": "FEM", "element": repr(self.element), "cfl": repr(self.cfl)}
-        return common_identity(self.scene, self._mesh.vertices, self._V) | options
+        return common_identity(self.scene, self._mesh, self._V) | options
 
     def samples(self, times: Sequence[float]) -> Samples:
         """What the scene's functions say at ``times`` [s], by which a checkpoint knows them."""
@@ -250,10 +258,10 @@ class Simulation:
         """What the run has cost so far."""
         return {"run_seconds": self._wall_time, "smallest_dt": self._smallest_dt}
 
-    def go_on(self, totals: dict[str, float]) -> None:
-        """Count on from the ``totals`` of an earlier part of the run."""
-        self._wall_time += totals.get("run_seconds", 0.0)
-        self._smallest_dt = min(self._smallest_dt, totals.get("smallest_dt", math.inf))
+    def go_on_from(self, totals: dict[str, float]) -> None:
+        """Count on from ``totals``: what the run had cost up to the state that was put back."""
+        self._wall_time = totals["run_seconds"]
+        self._smallest_dt = totals["smallest_dt"]
 
     def state_arrays(self) -> dict[str, Array]:
         """The arrays that hold the state, and the account where one is kept."""

@@ -21,9 +21,9 @@ from __future__ import annotations
 
 import hashlib
 import os
-import pickle
 import warnings
 from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -102,13 +102,16 @@ if CACHE_DIR is not None:
     numba.config.CACHE_DIR = str(CACHE_DIR)
 
 
-class _OptionalCache(FunctionCache):  # type: ignore[misc]
+class _OptionalCache(FunctionCache):
     """numba's cache of one kernel, which may fail without harm."""
 
     def load_overload(self, sig: Any, target_context: Any) -> Any:
         try:
             return super().load_overload(sig, target_context)
-        except (OSError, EOFError, pickle.UnpicklingError):
+        except Exception:
+            # Whatever is wrong with what is there, it can be made anew.
+            with suppress(OSError):
+                self.flush()
             return None
 
     def save_overload(self, sig: Any, data: Any) -> None:
@@ -133,7 +136,7 @@ def _say_not_kept(why: Exception) -> None:
 _KERNELS: list[Any] = []
 
 
-def _compiled(function: Callable[..., Any], *, parallel: bool) -> Callable[..., Any]:
+def _compiled(function: Callable[..., Any], *, parallel: bool) -> Any:
     made: Any = numba.njit(parallel=parallel, error_model="numpy")(function)
     _KERNELS.append(made)
     try:
@@ -146,7 +149,7 @@ def _compiled(function: Callable[..., Any], *, parallel: bool) -> Callable[..., 
         made._cache = cache
     except (OSError, RuntimeError) as failure:
         _say_not_kept(failure)
-    return made  # type: ignore[no-any-return]
+    return made
 
 
 def _change_threads() -> None:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
+from typing import Any
 
 
 class InputError(ValueError):
@@ -25,6 +26,10 @@ class Diverged(RuntimeError):
     particle: int
     position: tuple[float, float, float]
     advice: str
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """With its fields: as it is, a worker's failure would never get back to its pool."""
+        return type(self), tuple(getattr(self, each.name) for each in fields(self)), vars(self)
 
     def __str__(self) -> str:
         x, y, z = self.position

@@ -52,6 +52,7 @@ from sphsolid.record.recorders import Recorder
 from sphsolid.record.samples import Sampler, Samples
 from sphsolid.record.snapshot import Snapshot
 from sphsolid.record.vtu import write_vtu
+from sphsolid.scenes.checks import number
 from sphsolid.scenes.scene import FromGeometry, Scene, check_scene
 from sphsolid.scheme.boundary import EssentialConditions, Loads
 from sphsolid.scheme.elastic_response import highest_frequency
@@ -113,6 +114,11 @@ class Simulation:
             "spacing": spacing, "angular_momentum": angular_momentum,
             "initial_strain": initial_strain,
         }  # fmt: skip
+        for name, value in self._arguments.items():
+            if isinstance(value, type):
+                raise InputError(f"{name} = {value.__name__} is a class; write {value.__name__}()")
+        if h_over_dx is not None:
+            number("h_over_dx", h_over_dx, "spacings")
         #: Options that were left to ``sphsolid.defaults``.
         self.by_default = tuple(name for name, value in given.items() if value is None)
         self.scene = scene
@@ -168,6 +174,8 @@ class Simulation:
         self.consistency = consistency_report(self.cloud, scene.body.volume)
 
         self._sampler = Sampler(scene, self.cloud.mesh)
+        # One object for all snapshots, so that what is made for it can be kept.
+        self._shown_mesh = protected(self.cloud.mesh)
         self._rhs = self._right_hand_side()
         self._rhs.loads.at(0.0)
         self.initial_strain = self._chosen_strain(initial_strain)
@@ -214,8 +222,8 @@ class Simulation:
         branch._state = State.zeros(self.cloud.size, self.formulation, particle_major=major)
         branch._stepper = self.integrator.stepper(rhs, branch._state, rhs.essential)
         branch._allowed = math.nan
-        branch._running_since, branch._seconds_before = None, self.run_seconds
-        put_back(branch, checkpoint_of(self), "the copy", counts=False)
+        branch._running_since = None
+        put_back(branch, checkpoint_of(self), "the copy")
         return branch
 
     def __copy__(self) -> Simulation:
@@ -383,7 +391,8 @@ class Simulation:
                 "initial_strain", "integrator",
             )
         } | {"smoothing": repr(self.cloud.smoothing), "cfl": repr(self._time_step.cfl)}  # fmt: skip
-        return common_identity(self.scene, self.cloud.X, self.cloud.V) | {"method": "SPH"} | options
+        common = common_identity(self.scene, self.cloud.mesh, self.cloud.V)
+        return common | {"method": "SPH"} | options
 
     def samples(self, times: Sequence[float]) -> Samples:
         """What the scene's functions say at ``times`` [s], by which a checkpoint knows them."""
@@ -393,9 +402,9 @@ class Simulation:
         """What the run has cost so far."""
         return {"run_seconds": self.run_seconds}
 
-    def go_on(self, totals: dict[str, float]) -> None:
-        """Count on from the ``totals`` of an earlier part of the run."""
-        self._seconds_before += totals.get("run_seconds", 0.0)
+    def go_on_from(self, totals: dict[str, float]) -> None:
+        """Count on from ``totals``: what the run had cost up to the state that was put back."""
+        self._seconds_before = totals["run_seconds"]
 
     def state_arrays(self) -> dict[str, Any]:
         """The arrays that hold the state, and the account where one is kept."""
@@ -423,7 +432,7 @@ class Simulation:
             time=self.time,
             step=self.step,
             material=material,
-            mesh=protected(self.cloud.mesh),
+            mesh=self._shown_mesh,
             X=X,
             V=V,
             x=s.x.copy(),

@@ -10,6 +10,7 @@ import hashlib
 import os
 import tempfile
 import zipfile
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -32,7 +33,10 @@ def gradients_of(operator: OperatorKind, cloud: Ingredients) -> Gradients:
     """``operator.build(cloud)``, from the disk where it was built before."""
     if isinstance(operator, Literal) or len(cloud.volumes) < LEAST_PARTICLES:
         return operator.build(cloud)
-    folder = cache_base() / "operators"
+    try:
+        folder = cache_base() / "operators"
+    except OSError:
+        return operator.build(cloud)
     path = folder / f"{content_hash(operator, cloud)}.npz"
     return _read(path) or _write(path, operator.build(cloud))
 
@@ -65,8 +69,9 @@ def _read(path: Path) -> Gradients | None:
             )
     except (OSError, EOFError, KeyError, ValueError, zipfile.BadZipFile):
         return None
-    # The time of the last use decides what makes room.
-    os.utime(path)
+    # The time of the last use decides what makes room; a cache of others may be read-only.
+    with suppress(OSError):
+        os.utime(path)
     return found
 
 

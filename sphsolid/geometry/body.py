@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from numbers import Real
 from typing import Protocol
 
 import numpy as np
@@ -29,6 +30,9 @@ def chosen(spacing: Spacing, body: str) -> float:
     """The spacing of a body that can be meshed at any; raises ``InputError`` if none is given."""
     if isinstance(spacing, AsMeshed):
         raise InputError(f"{body} can be meshed at any spacing: give spacing = ... [m]")
+    given: object = spacing
+    if isinstance(given, bool) or not isinstance(given, Real):
+        raise InputError(f"spacing = {spacing!r} is not a number; give a length in m")
     return spacing
 
 

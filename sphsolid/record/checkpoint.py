@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from sphsolid.compiled import KERNEL_HASH, description
 from sphsolid.errors import InputError
+from sphsolid.geometry.mesh import Mesh
 from sphsolid.paths import path_of
 from sphsolid.record.atomic import atomic
 from sphsolid.record.samples import Samples, differences, instants
@@ -150,19 +151,23 @@ def _other(here: dict[str, str], there: dict[str, str]) -> list[str]:
     ]
 
 
-def put_back(solver: Solver, checkpoint: Checkpoint, what: str, *, counts: bool = True) -> None:
+def put_back(solver: Solver, checkpoint: Checkpoint, what: str) -> None:
     """Put ``solver`` into the state of ``checkpoint``, which must be its own or an equal one's.
 
-    With ``counts`` its totals go on from those of the checkpoint.  Raises ``InputError`` where the
-    arrays are not those of ``solver``, and changes nothing then.
+    Raises ``InputError`` where the arrays are not those of ``solver``, and changes nothing then.
     """
-    targets = solver.state_arrays()
-    if not any(name.startswith(ACCOUNT) for name in targets) and any(
-        name.startswith(ACCOUNT) for name in checkpoint.arrays
-    ):
-        # The account goes on, not one that begins here.
+    _write_over(solver.state_arrays(), checkpoint, what)
+    kept = [name for name in checkpoint.arrays if name.startswith(ACCOUNT)]
+    if kept and not solver.state_arrays().keys() & set(kept):
+        # That account goes on, not one that begins here.
         solver.track_balance()
-        targets = solver.state_arrays()
+        _write_over(solver.state_arrays(), checkpoint, what)
+    solver.time, solver.step = checkpoint.time, checkpoint.step
+    solver.go_on_from(checkpoint.totals)
+    solver.state_changed()
+
+
+def _write_over(targets: dict[str, Array], checkpoint: Checkpoint, what: str) -> None:
     for name, target in targets.items():
         found = checkpoint.arrays.get(name)
         if found is None or found.shape != target.shape or found.dtype != target.dtype:
@@ -172,13 +177,9 @@ def put_back(solver: Solver, checkpoint: Checkpoint, what: str, *, counts: bool 
             )
     for name, target in targets.items():
         target[...] = checkpoint.arrays[name]
-    solver.time, solver.step = checkpoint.time, checkpoint.step
-    if counts:
-        solver.go_on(checkpoint.totals)
-    solver.state_changed()
 
 
-def common_identity(scene: Scene, X: Array, V: Array) -> dict[str, str]:
+def common_identity(scene: Scene, mesh: Mesh, V: Array) -> dict[str, str]:
     """What any method must agree on: problem, points, probes, sources and libraries.
 
     Loads, motions and initial data are functions, of which there are :mod:`samples`.
@@ -193,13 +194,16 @@ def common_identity(scene: Scene, X: Array, V: Array) -> dict[str, str]:
         "material": repr(scene.material),
         "constraints": ", ".join(held) or "none",
         "loads": ", ".join(loaded) or "none",
-        "points": _hash(X, V),
+        "points": _hash(mesh.vertices, V),
         "sources": KERNEL_HASH,
         "libraries": ", ".join(f"{k} {libraries[k]}" for k in ("numba", "llvmlite", "numpy")),
+    } | {
+        f"boundary {part.face}": _hash(mesh.face(part.face))
+        for part in (*scene.constraints, *scene.tractions)
     } | {f"probe {name}": f"X = {list(place)} m" for name, place in scene.probes.items()}
 
 
-def _hash(*arrays: Array) -> str:
+def _hash(*arrays: NDArray[Any]) -> str:
     digest = hashlib.sha256()
     for array in arrays:
         digest.update(np.ascontiguousarray(array).tobytes())

@@ -31,7 +31,8 @@ class History:
 
     def to_csv(self, path: str | Path) -> None:
         """Write all rows with full double precision."""
-        self.table.to_csv(path_of(path), index=False, float_format="%.17g", na_rep="nan")
+        target = path if hasattr(path, "write") else path_of(path)
+        self.table.to_csv(target, index=False, float_format="%.17g", na_rep="nan")
 
     def __getitem__(self, column: str) -> Any:
         return self.table[column].to_numpy()

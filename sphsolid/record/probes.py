@@ -12,6 +12,8 @@ from sphsolid.scenes.scene import Scene
 Array = NDArray[np.float64]
 #: A length more than this share of a spacing is more than a spacing.
 _SLACK = 1.0 + 1.0e-9
+#: What a place, or a body, may have been given in [m].
+_UNITS = {"millimetres": 1.0e-3, "centimetres": 1.0e-2, "inches": 0.0254}
 
 
 def check_probes(scene: Scene, mesh: Mesh) -> None:
@@ -42,9 +44,14 @@ def _distance(point: Array, low: Array, high: Array) -> float:
 
 
 def _advice(point: Array, low: Array, high: Array, spacing: float) -> str:
-    for unit, metres in (("millimetres", 1.0e-3), ("centimetres", 1.0e-2), ("inches", 0.0254)):
-        if _distance(metres * point, low, high) <= _SLACK * spacing:
-            return f"give the place in metres (it would fit as {unit})"
-        if _distance(point / metres, low, high) <= _SLACK * spacing:
-            return f"give both in metres (it would fit if the body were in {unit})"
+    size = max(float(np.abs(low).max()), float(np.abs(high).max()))
+    reach = float(np.abs(point).max())
+    if reach > 10.0 * size:
+        for unit, metres in reversed(_UNITS.items()):
+            if _distance(metres * point, low, high) <= _SLACK * spacing:
+                return f"give the place in metres (it would fit as {unit})"
+    if reach < 0.1 * size:
+        for unit, metres in _UNITS.items():
+            if _distance(point / metres, low, high) <= _SLACK * spacing:
+                return f"give both in metres (it would fit if the body were in {unit})"
     return "give the place of a point of the undeformed body"

@@ -93,8 +93,9 @@ class RunFolder:
             return []
         require(
             self.resume,
-            f"{folder} already holds a run{_how_it_ended(folder)}; choose another folder, or RunFolder(..., replace=True) "
-            "to remove that run's files first, or resume=True to go on from its checkpoint",
+            f"{folder} already holds a run{_how_it_ended(folder)}; choose another folder, or "
+            "RunFolder(..., replace=True) to remove that run's files first, or resume=True to go "
+            "on from its checkpoint",
         )
         return _resume(folder, solver)
 

@@ -108,12 +108,12 @@ def _numbers(
     width = 9 if tensor else 3
     uneven = np.cos(_GOLDEN * np.arange(len(points[0])) ** 1.5)[:, None]
     rows = []
+    try:
+        # A copy is asked: a function with a memory must not notice that it is watched.
+        own = copy.deepcopy(function)
+    except Exception:
+        own = function
     for t in times:
-        try:
-            # Of a copy: a function with a memory must not notice that it is watched.
-            own = copy.deepcopy(function)
-        except Exception:
-            own = function
         try:
             f = asked(own, *points, what="", tensor=tensor, t=t).reshape(-1, width)
         except Exception:

@@ -49,16 +49,15 @@ class Solver(Protocol):
         ...
 
     def samples(self, times: Sequence[float]) -> Samples:
-        """What the problem's functions say at ``times`` [s]; see :mod:`~sphsolid.record.samples`.
-        """
+        """What the problem's functions say at ``times`` [s]; see ``record.samples``."""
         ...
 
     def totals(self) -> dict[str, float]:
         """What the run has cost so far, for its summary."""
         ...
 
-    def go_on(self, totals: dict[str, float]) -> None:
-        """Count on from the ``totals`` of an earlier part of the run."""
+    def go_on_from(self, totals: dict[str, float]) -> None:
+        """Count on from ``totals``: what the run had cost up to the state that was put back."""
         ...
 
     def track_balance(self) -> None:

@@ -58,8 +58,9 @@ class Constraint:
 class EssentialPart:
     """One constraint ready to apply: ``v <- (I - Q_a) v + Q_a v_prescribed`` at ``particles``.
 
-    ``face`` is its boundary tag; ``particles (n,)``; ``projector (n, 3, 3)`` orthogonal projectors ``Q_a``.  Projectors of
-    different parts at one particle are mutually orthogonal, so the order does not matter.
+    ``face`` is its boundary tag; ``particles (n,)``; ``projector (n, 3, 3)`` orthogonal projectors
+    ``Q_a``.  Projectors of different parts at one particle are mutually orthogonal, so the order
+    does not matter.
     """
 
     face: str

@@ -39,7 +39,9 @@ def manufactured_body_force(
 ) -> Array:
     """``f0 (n, 3)`` [N/m^3] of the standing wave whose amplitude is ``U0 cos(w t)`` now [m]."""
     force = np.empty_like(X)
-    _body_force(material, np.require(X, requirements=("C", "W")), amplitude_now, coefficients, frequency, force)
+    # The kernel is compiled for arrays that could be written to; what a scene is given cannot.
+    points = np.require(X, requirements=("C", "W"))
+    _body_force(material, points, amplitude_now, coefficients, frequency, force)
     return force
 
 

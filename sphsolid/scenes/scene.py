@@ -142,6 +142,8 @@ class Scene:
             checks.function(what, self.initial_deformation_gradient, "lambda X")
         if not isinstance(self.body_force, NoBodyForce):
             checks.function(f"{scene}: body_force", self.body_force, "lambda X, t")
+        if isinstance(self.exact, type):
+            raise InputError(f"{scene}: exact = {self.exact.__name__} is a class; make an object")
         for name, made in (
             ("constraints", checks.members("constraints", self.constraints, Constraint)),
             ("tractions", checks.members("tractions", self.tractions, Traction)),
@@ -172,7 +174,7 @@ class Scene:
         """Checked ``f0 (n, 3)`` [N/m^3] of a scene that has a body force."""
         force = self.body_force
         assert not isinstance(force, NoBodyForce)
-        return asked(force, X, what=self._named("body_force"), t=t)
+        return asked(force, X, what=self._named("body force"), t=t)
 
     def _named(self, callback: str) -> str:
         return f"scene {self.name!r}: {callback}"

@@ -11,6 +11,7 @@ import hashlib
 import tempfile
 import time
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from pathlib import Path
 
 import numba
@@ -27,7 +28,7 @@ def warm_up(cases: Sequence[Case], *, threads: int, say: Callable[[str], None]) 
 
     A case that fails here fails again, and visibly, in the study.
     """
-    if not cases:
+    if not cases or CACHE_DIR is None:
         return
     parts = [numba.__version__, cpu_model(), str(threads > 1), *map(case_hash, cases)]
     mark = CACHE_DIR / f"warm-{hashlib.sha256('|'.join(parts).encode()).hexdigest()[:16]}"
@@ -43,5 +44,7 @@ def warm_up(cases: Sequence[Case], *, threads: int, say: Callable[[str], None]) 
         ]
     say(f"compiled in {duration(time.perf_counter() - start)}")
     if not failed:
-        mark.parent.mkdir(parents=True, exist_ok=True)
-        mark.touch()
+        # Without a place to remember it, the next run of the study looks again.
+        with suppress(OSError):
+            mark.parent.mkdir(parents=True, exist_ok=True)
+            mark.touch()

@@ -53,22 +53,23 @@ def driven(X: Array, t: float) -> Array:
     return np.stack([1.0 + 200.0 * t + X[:, 1], -X[:, 2], 0.5 * X[:, 1]], axis=1)
 
 
+def _velocity(X: Array) -> Array:
+    return 20.0 * np.stack([X[:, 1] ** 2, X[:, 0] * X[:, 2], -X[:, 0]], axis=1)
+
+
+def _displacement(X: Array) -> Array:
+    return 0.1 * np.stack([X[:, 1] * X[:, 2], X[:, 0] ** 2, X[:, 2] - X[:, 1]], axis=1)
+
+
 def loaded_block(material: Any = MOONEY, *, jitter: float = 0.3) -> Scene:
     """Driven at ``X-``, on rollers at ``Y-``, pulled at ``X+`` and ``Z+``, pressed at ``Y+``."""
-
-    def velocity(X: Array) -> Array:
-        return 20.0 * np.stack([X[:, 1] ** 2, X[:, 0] * X[:, 2], -X[:, 0]], axis=1)
-
-    def displacement(X: Array) -> Array:
-        return 0.1 * np.stack([X[:, 1] * X[:, 2], X[:, 0] ** 2, X[:, 2] - X[:, 1]], axis=1)
-
     return Scene(
         name="loaded block",
         body=Box(upper=(1.0, 0.8, 1.2), jitter=jitter, seed=5),
         material=material,
         end_time=1.0,
-        initial_velocity=velocity,
-        initial_displacement=displacement,
+        initial_velocity=_velocity,
+        initial_displacement=_displacement,
         constraints=(Constraint("X-", "all", driven), Constraint("Y-", "normal")),
         tractions=(Traction("X+", pulled), Traction("Z+", pulled), Traction("Y+", pressed)),
         body_force=weight,

@@ -11,7 +11,7 @@ ROOT = Path(__file__).resolve().parents[2]
 PACKAGES = ("sphsolid", "fem_reference", "studies")
 
 #: Anything may import these.
-BASE = {"sphsolid.compiled", "sphsolid.errors", "sphsolid.fields"}
+BASE = {"sphsolid.compiled", "sphsolid.errors", "sphsolid.fields", "sphsolid.paths"}
 _PHYSICS = BASE | {"sphsolid.continuum"}
 _PROBLEM = _PHYSICS | {"sphsolid.geometry", "sphsolid.scenes"}
 _SPH = _PROBLEM | {
@@ -23,8 +23,9 @@ ALLOWED: dict[str, set[str]] = {
     "sphsolid.compiled": set(),
     "sphsolid.errors": set(),
     "sphsolid.fields": set(),
+    "sphsolid.paths": {"sphsolid.errors"},
     "sphsolid.continuum": BASE,
-    "sphsolid.geometry": {"sphsolid.errors"},
+    "sphsolid.geometry": {"sphsolid.errors", "sphsolid.paths"},
     "sphsolid.scenes": _PHYSICS | {"sphsolid.geometry"},
     "sphsolid.record": _PROBLEM,
     "sphsolid.cloud": _PROBLEM,

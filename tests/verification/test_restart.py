@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -22,7 +23,7 @@ from sphsolid.record import (
     checkpoint,
     write_checkpoint,
 )
-from sphsolid.scenes import twisting_column
+from sphsolid.scenes import HeldVelocity, punch, twisting_column
 from tests.oracles.blocks import loaded_block
 
 RECORD = (Energy(), AngularMomentum(), EnergyLedger(), MomentumDrift(), Reactions())
@@ -175,8 +176,8 @@ def saved(tmp_path_factory: pytest.TempPathFactory) -> Path:
         ({"h_over_dx": 0.8}, "h_over_dx: 0.77 there, 0.8 here"),
         ({"cfl": 0.2}, "cfl: 0.7 there, 0.2 here"),
         ({"angular_momentum": sph.NoProjection()}, "angular_momentum"),
-        ({"spacing": 0.4}, "initial state: .*points"),
-        ({"angular_velocity": 100.0}, r"\(initial state: "),
+        ({"spacing": 0.4}, "points: .*initial velocity differs"),
+        ({"angular_velocity": 100.0}, r"\(initial velocity differs: its .* there and .* here"),
         ({"poisson_ratio": 0.49}, "material"),
     ],
 )
@@ -194,7 +195,7 @@ def test_the_other_method_is_refused(saved: Path) -> None:
 
 
 def test_other_sources_are_refused(saved: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(checkpoint, "CACHE_DIR", Path("kernels/0123456789abcdef"))
+    monkeypatch.setattr(checkpoint, "KERNEL_HASH", "0123456789abcdef")
     with pytest.raises(sph.InputError, match=r"sources: .* there, 0123456789abcdef here"):
         column().restore(saved)
 
@@ -205,3 +206,50 @@ def test_an_account_cannot_be_taken_up_where_none_was_kept(saved: Path) -> None:
     with pytest.raises(sph.InputError, match=r"no array 'account.*same recorders"):
         sim.restore(saved)
     column().restore(saved)
+
+
+@pytest.mark.parametrize("solver", [sph.Simulation, fem.Simulation])
+def test_the_account_seconds_and_steps_go_on_after_a_restart(solver: Any, tmp_path: Path) -> None:
+    ledger = (EnergyLedger(),)
+    sim = solver(loaded_block(), spacing=0.25)
+    gap = gap_of(sim)
+    sim.run(until=gap, record=ledger)
+    write_checkpoint(sim, tmp_path / "c.npz")
+    spent, summary = sim.totals(), sim.summary()
+    whole = sim.run(until=2 * gap, record=ledger)
+    other = solver(loaded_block(), spacing=0.25)
+    other.restore(tmp_path / "c.npz")
+    assert other.totals() == spent
+    assert other.summary().split(" steps")[0] == summary.split(" steps")[0]
+    parts = other.run(until=2 * gap, record=ledger)
+    assert parts.table.iloc[-1].equals(whole.table.iloc[-1])
+    assert other.totals()["run_seconds"] > spent["run_seconds"]
+
+
+def test_a_probe_elsewhere_and_another_load_are_refused_by_name(tmp_path: Path) -> None:
+    def block(**parts: Any) -> Any:
+        return dataclasses.replace(loaded_block(), **parts)
+
+    for solver in (sph.Simulation, fem.Simulation):
+        path = tmp_path / "c.npz"
+        write_checkpoint(solver(block(probes={"tip": (1.0, 0.0, 0.0)}), spacing=0.5), path)
+        for parts, named in (
+            ({"probes": {"tip": (0.0, 0.0, 1.0)}}, r"probe tip: X = \[1.0, .* there, X = \[0.0, "),
+            ({"body_force": lambda X, t: 0.0 * X}, "body force differs"),
+            ({"initial_velocity": lambda X: 0.0 * X}, "initial velocity differs"),
+        ):
+            other = solver(block(**({"probes": {"tip": (1.0, 0.0, 0.0)}} | parts)), spacing=0.5)
+            with pytest.raises(sph.InputError, match=named):
+                other.restore(path)
+
+
+def test_a_larger_punch_of_the_same_name_is_refused(tmp_path: Path) -> None:
+    """A fixed condition says nothing that could be sampled: its place does."""
+
+    def held(limit: float) -> Any:
+        return sph.Simulation(punch(press=HeldVelocity(limit)), spacing=0.1)
+
+    write_checkpoint(held(0.5), tmp_path / "c.npz")
+    held(0.5).restore(tmp_path / "c.npz")
+    with pytest.raises(sph.InputError, match="boundary pressed: "):
+        held(0.7).restore(tmp_path / "c.npz")

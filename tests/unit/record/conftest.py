@@ -52,6 +52,9 @@ class FakeSolver:
         self.name = "fake"
         self.x = CUBE.vertices.copy()
         self.changed = 0
+        self.seconds = 1.0
+        self.load = 1.0
+        self.tracks = False
         self._dt = dt
         self._fails_at = fails_at
 
@@ -78,6 +81,18 @@ class FakeSolver:
 
     def identity(self) -> dict[str, str]:
         return {"scene": self.scene.name, "method": "fake"}
+
+    def samples(self, times):
+        return {"load": np.array([[self.load, 0.0, 0.0, self.load, 0.0, 0.0, 0.0] for _ in times])}
+
+    def totals(self):
+        return {"run_seconds": self.seconds}
+
+    def go_on_from(self, totals) -> None:
+        self.seconds = totals["run_seconds"]
+
+    def track_balance(self) -> None:
+        self.tracks = True
 
     def state_arrays(self):
         return {"x": self.x}

@@ -16,7 +16,7 @@ import numpy as np
 import pytest
 
 from sphsolid.errors import Diverged, InputError
-from sphsolid.record import Every, Never, RunFolder, march, read_history
+from sphsolid.record import Energy, Every, Never, RunFolder, march, read_history
 from sphsolid.record.checkpoint import read_checkpoint
 
 
@@ -194,6 +194,18 @@ def test_a_resumed_run_is_the_run_that_never_stopped(fake_solver, tmp_path):
         parts = run(fake_solver(), tmp_path / "parts", until=until, resume=True)
     assert content(tmp_path / "parts") == content(tmp_path / "whole")
     assert parts.table.equals(whole.table)
+
+
+def test_the_energy_that_progress_counts_from_is_that_of_the_first_record(fake_solver, tmp_path):
+    energy = []
+    for until in (0.2, 0.4):
+        march(
+            fake_solver(), until=until, every=0.1, record=[Energy()],
+            output=RunFolder(tmp_path, resume=True),
+            progress=lambda progress: energy.append((progress.start_energy, progress.energy)),
+        )  # fmt: skip
+    assert {start for start, _ in energy} == {0.0}
+    assert energy[-1][1] > 0.0
 
 
 def test_a_finished_run_is_not_run_again(fake_solver, tmp_path):

@@ -93,7 +93,7 @@ def test_no_load_is_nothing_and_a_load_that_is_not_finite_is_refused() -> None:
     assert not loads_of()[0].any
     bad, _ = loads_of(body_force=lambda X, t: X / 0.0 if t > 0.1 else X)
     bad.at(0.0)
-    with np.errstate(all="ignore"), pytest.raises(InputError, match=r"body_force .* t = 0.2 s"):
+    with np.errstate(all="ignore"), pytest.raises(InputError, match=r"body force .* t = 0.2 s"):
         bad.at(0.2)
     bad, _ = loads_of(tractions=(Traction("Z+", lambda X, N, t: np.nan * X),))
     with pytest.raises(InputError, match=r"traction on Z\+"):
