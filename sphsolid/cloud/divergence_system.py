@@ -66,7 +66,7 @@ class DivergenceSystem:
 
     def _coarse_solution(self) -> CoarseSolution:
         indptr, indices, X, V, w, h = self._arrays
-        splines = coarse_splines(X, np.full(len(X), h), COARSE_SPACINGS)
+        splines = coarse_splines(X / h, COARSE_SPACINGS)
         apart = np.zeros(3, dtype=np.int64)
         row = np.repeat(np.arange(self._size), np.diff(indptr))
         for d in range(3):

@@ -175,7 +175,7 @@ class SummationByParts:
 
     epsilon: float = 0.02
     weight_exponent: float = 0.25
-    tolerance: float = 1.0e-3
+    tolerance: float = 1.0e-10
     gradient: GradientKind = "corrected_kernel"
 
     def __post_init__(self) -> None:
@@ -185,7 +185,7 @@ class SummationByParts:
             and 1.0e-12 <= self.tolerance <= 1.0e-2,
             f"SummationByParts: epsilon = {self.epsilon} must be positive, weight_exponent = "
             f"{self.weight_exponent} not negative, tolerance = {self.tolerance} within "
-            "[1e-12, 1e-2]; 0.02, 0.25 and 1e-3 are the defaults",
+            "[1e-12, 1e-2]; 0.02, 0.25 and 1e-10 are the defaults",
         )
 
     @property

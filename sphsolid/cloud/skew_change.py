@@ -10,10 +10,9 @@ left of the quadratic moments, is
     A_ab = A0_ab + w_ab [ psi(a, b) . l_a - psi(b, a) . l_b ],
 
 with ten multipliers a particle and the ten monomials ``psi(a, b)`` of ``(X_b - X_a) / scale_a``.
-They solve one symmetric system, the same for the three components of the gradient.  In the long run
-of wave lengths it acts like a sixth-order operator, so it is solved by conjugate gradients with two
-preconditioners added up: the inverses of the diagonal blocks, and a solution on a coarse
-space of splines, which holds what the blocks do not see.
+They solve one symmetric system, the same for the three components of the gradient, by conjugate
+gradients (``skew_preconditioner``), as far as round-off lets it: what an early stop would leave
+differs with the unit of length, a mirror and the library.
 
 Its null space are the quadratics (``s, grad s / 2``).  The right-hand side is orthogonal to them
 where the areas integrate quadratics exactly (``boundary_weights``).  On a cylinder they cannot: all
@@ -30,18 +29,11 @@ import numpy as np
 from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
-from sphsolid.cloud.skew_problem import SkewProblem
-from sphsolid.cloud.splines.coarse_solution import CoarseSolution
-from sphsolid.cloud.splines.spline_matrix import skew_matrix
-from sphsolid.cloud.splines.spline_space import coarse_splines
+from sphsolid.cloud.skew_preconditioner import SkewPreconditioner
+from sphsolid.cloud.skew_problem import SkewProblem, in_lanes
 from sphsolid.compiled import kernel, prange
 
 Array = NDArray[np.float64]
-#: The coarse grid is this many spacings wide: with three the iterations rise by a quarter, with two
-#: the coarse solution takes what they save.
-COARSE_SPACINGS = 2.5
-#: Small beside the sixth power of the longest wave number times that width.
-SHIFT = 1.0e-9
 #: A residual that has grown this much says that there is no solution.
 HOPELESS = 1.0e8
 
@@ -82,10 +74,11 @@ def solve(
 
 
 def _solve(
-    problem: SkewProblem, residual: Array, scale: float, tolerance: float, most_iterations: int
+    problem: SkewProblem, right: Array, scale: float, tolerance: float, most_iterations: int
 ) -> tuple[Array, int, float]:
-    """Multipliers, iterations and the largest entry left of ``residual``, in ``scale``."""
-    preconditioner = _Preconditioner(problem)
+    """Multipliers, iterations and the largest entry left of ``right``, in ``scale``."""
+    preconditioner = SkewPreconditioner(problem)
+    residual = in_lanes(right)
     values, applied, z = (np.zeros_like(residual) for _ in range(3))
     largest, products = np.empty(len(residual)), np.empty((len(residual), 3))
     preconditioner(residual, z)
@@ -94,7 +87,7 @@ def _solve(
     left = 1.0
     for iteration in range(most_iterations):
         if left <= tolerance or not left <= HOPELESS:
-            return values, iteration, left
+            return values[:, :, :3], iteration, left
         problem.apply(direction, applied)
         curvature = _total(direction, applied, products)
         step = np.divide(rz, curvature, out=np.zeros(3), where=curvature > 0.0)
@@ -104,31 +97,13 @@ def _solve(
         fresh = _total(residual, z, products)
         _turn(np.divide(fresh, rz, out=np.zeros(3), where=rz > 0.0), z, direction)
         rz = fresh
-    return values, most_iterations, left
+    return values[:, :, :3], most_iterations, left
 
 
 def _total(f: Array, g: Array, products: Array) -> Array:
     """``sum_ai f_aic g_aic (3,)``."""
     _products(f, g, products)
     return np.asarray(products.sum(axis=0))
-
-
-class _Preconditioner:
-    """Inverse diagonal blocks plus the coarse solution."""
-
-    def __init__(self, problem: SkewProblem) -> None:
-        blocks = problem.blocks()
-        self._inverse = np.linalg.inv(blocks)
-        splines = coarse_splines(problem.X, problem.scale, COARSE_SPACINGS)
-        matrix = skew_matrix(problem, splines, blocks)
-        self._coarse = CoarseSolution(
-            splines, matrix, splines.quadratics(), shift=SHIFT, dtype=np.float32
-        )
-
-    def __call__(self, residual: Array, out: Array) -> None:
-        """``out = M^-1 residual  (N, 10, 3)``."""
-        _times_blocks(self._inverse, residual, out)
-        self._coarse.add(residual, out)
 
 
 @kernel
@@ -161,19 +136,3 @@ def _turn(factor, z, direction):  # type: ignore[no-untyped-def]
         for i in range(10):
             for c in range(3):
                 direction[a, i, c] = z[a, i, c] + factor[c] * direction[a, i, c]
-
-
-@kernel
-def _times_blocks(inverse, z, out):  # type: ignore[no-untyped-def]
-    for a in prange(len(z)):
-        for i in range(10):
-            t0 = 0.0
-            t1 = 0.0
-            t2 = 0.0
-            for j in range(10):
-                t0 += inverse[a, i, j] * z[a, j, 0]
-                t1 += inverse[a, i, j] * z[a, j, 1]
-                t2 += inverse[a, i, j] * z[a, j, 2]
-            out[a, i, 0] = t0
-            out[a, i, 1] = t1
-            out[a, i, 2] = t2

@@ -83,17 +83,19 @@ def skew_gradient(
     half_B = np.zeros_like(C)
     half_B[pairs.indices == row] = 0.5 * areas
     skew = 0.5 * (C - C[other])
-    unit = scale / float(np.mean(scale))
+    spacing = float(np.mean(scale))
+    unit = scale / spacing
     # Entries of A are areas: the change is small relative to them where spacings differ.
     size = (unit[row] * unit[pairs.indices]) ** 2
     weights = np.maximum(share, LEAST_SHARE) ** weight_exponent * size
-    problem = SkewProblem(pairs, X, scale, weights, epsilon * unit**4)
+    middle = 0.5 * (X.min(axis=0) + X.max(axis=0))
+    problem = SkewProblem(pairs, (X - middle) / spacing, weights, epsilon * unit**8)
     target = np.zeros((pairs.rows, 10, 3))
     for d in range(3):
-        target[:, 1 + d, d] = V / scale
+        target[:, 1 + d, d] = V / spacing
     right = target - problem.row_moments(skew + half_B)
     found = _solution(problem, right, tolerance)
-    G = _gradient(problem, found, skew + half_B, target, V, areas, weights / size)
+    G = _gradient(problem, found, skew + half_B, target, X, V, areas, weights / size)
     return SkewGradient(G, found.iterations, found.remainder)
 
 
@@ -122,27 +124,26 @@ def _gradient(
     found: Multipliers,
     start: Array,
     target: Array,
+    X: Array,
     V: Array,
     areas: Array,
     weights: Array,
 ) -> Array:
     """``G (P, 3)`` with exact rows and D0; raises ``InputError`` where D0 cannot be met."""
-    pairs, X = problem.pairs, problem.X
+    pairs = problem.pairs
     C = start + problem.change(found.values)
     left = target[:, :4] - problem.row_moments(C)[:, :4]
-    C += _row_correction(pairs, X, problem.scale, problem.weights, left)
+    C += _row_correction(pairs, problem.X, problem.weights, left)
     G = C / V[pairs.row_of_pair, None]
     # What is left of D0 is as small as the tolerance: the least change takes it to round-off.
     G += least_change(G, pairs, X, V, areas, weights, coarse=True).D
     return np.asarray(G)
 
 
-def _row_correction(
-    pairs: PairList, X: Array, scale: Array, weights: Array, left: Array
-) -> Array:
+def _row_correction(pairs: PairList, X: Array, weights: Array, left: Array) -> Array:
     """``D_ab = w_ab psi . c_a`` with row moments ``left (N, 4, 3)``: local, and not skew."""
     row = pairs.row_of_pair
-    d = offsets(X, X, pairs) / scale[row, None]
+    d = offsets(X, X, pairs)
     psi = np.concatenate([np.ones((len(d), 1)), d], axis=1)
     moment = row_sum(pairs, weights[:, None, None] * psi[:, :, None] * psi[:, None, :])
     coefficient = np.linalg.solve(moment, left)

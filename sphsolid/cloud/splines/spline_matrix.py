@@ -94,7 +94,7 @@ def _particles(  # type: ignore[no-untyped-def]
 
 @serial_kernel
 def _pairs(  # type: ignore[no-untyped-def]
-    order, start, cells, shape, cell, N, D, E, row, indptr, indices, X, scale, w, out
+    order, start, cells, shape, cell, N, D, E, row, indptr, indices, X, w, out
 ):
     mine, others = np.empty(64, dtype=np.int64), np.empty(64, dtype=np.int64)
     one, two = np.empty(64), np.empty(64)
@@ -127,9 +127,8 @@ def _pairs(  # type: ignore[no-untyped-def]
                 a, k = first[turn[end]], pair[turn[end]]
                 b = indices[k]
                 x, y, z = X[b, 0] - X[a, 0], X[b, 1] - X[a, 1], X[b, 2] - X[a, 2]
-                s, q = scale[a], scale[b]
-                _side(a, monomials(x / s, y / s, z / s), N, D, E, one)
-                _side(b, monomials(-x / q, -y / q, -z / q), N, D, E, two)
+                _side(a, monomials(x, y, z), N, D, E, one)
+                _side(b, monomials(-x, -y, -z), N, D, E, two)
                 for i in range(64):
                     factor = -w[k] * one[i]
                     for j in range(64):

@@ -24,13 +24,13 @@ MOST_COARSE = 25_000
 
 
 class Splines:
-    """Cubic B-splines on a grid of about ``edge`` [m] over the box around ``X (N, 3)``.
+    """Cubic B-splines on a grid of about ``edge`` over the box around ``X (N, 3)``.
 
-    ``scale (N,)`` [m] is the unit of length of slopes and curvatures; ``shape`` is the number of
+    Lengths are counted in spacings, and so are slopes and curvatures; ``shape`` is the number of
     functions along each axis, ``size`` their number.
     """
 
-    def __init__(self, X: Array, scale: Array, edge: float) -> None:
+    def __init__(self, X: Array, edge: float) -> None:
         low, high = X.min(axis=0), X.max(axis=0)
         length = np.maximum(high - low, 1.0e-12 * np.max(high - low))
         cells = np.maximum(1, np.ceil(length / edge - 1.0e-9)).astype(np.int64)
@@ -53,9 +53,8 @@ class Splines:
             [-((1.0 - t) ** 2), 3.0 * t**2 - 4.0 * t, -3.0 * t**2 + 2.0 * t + 1.0, t**2], axis=2
         ) / 2.0
         curvature = np.stack([1.0 - t, 3.0 * t - 2.0, 1.0 - 3.0 * t, t], axis=2)
-        unit = scale[:, None, None] / self.edge[:, None]
-        self.D = slope * unit
-        self.E = curvature * unit**2
+        self.D = slope / self.edge[:, None]
+        self.E = curvature / self.edge[:, None] ** 2
         order = np.lexsort(self.cell.T[::-1])
         flat = np.ravel_multi_index(tuple(self.cell.T), tuple(cells))
         self.order = order
@@ -99,15 +98,14 @@ class Splines:
         return np.linalg.qr(np.stack(columns, axis=1))[0]
 
 
-def coarse_splines(X: Array, scale: Array, spacings: float) -> Splines:
-    """Splines on a grid of ``spacings`` mean ``scale``, or more where there would be too many."""
-    spacing = float(np.mean(scale))
-    volume = float(np.prod(np.maximum(np.ptp(X, axis=0), spacing)))
-    edge = max(spacings * spacing, (volume / MOST_COARSE) ** (1.0 / 3.0))
-    splines = Splines(X, scale, edge)
+def coarse_splines(X: Array, edge: float) -> Splines:
+    """Splines on a grid of ``edge`` spacings, or more where there would be too many."""
+    volume = float(np.prod(np.maximum(np.ptp(X, axis=0), 1.0)))
+    edge = max(edge, (volume / MOST_COARSE) ** (1.0 / 3.0))
+    splines = Splines(X, edge)
     while splines.size > MOST_COARSE:
         edge *= 1.05
-        splines = Splines(X, scale, edge)
+        splines = Splines(X, edge)
     return splines
 
 
