@@ -15,8 +15,8 @@ Array = NDArray[np.float64]
 _HEADER = 84
 _FACET = np.dtype([("numbers", "<f4", (12,)), ("attribute", "<u2")])
 _WAY_OUT = "copy or save it again"
-_NUMBER = rb"[-+0-9.eEdDinfatyINFATY]+"
-_VERTEX = re.compile(rb"\bvertex\s+(%b)\s+(%b)\s+(%b)" % (_NUMBER, _NUMBER, _NUMBER), re.I)
+_NUMBER = rb"\s+([-+]?(?:[.\d]|nan|inf)\S*)"
+_VERTEX = re.compile(rb"\bvertex" + 3 * _NUMBER, re.I)
 _FACET_WORDS = (rb"facet", rb"endfacet")
 _SOLID = re.compile(rb"^[ \t]*solid\b([^\n]*)", re.I | re.M)
 

@@ -46,9 +46,9 @@ def assembly(*lines: str, parts: str = PART) -> str:
 
 
 ONE = "*INSTANCE, NAME=P-1, PART=P\n*END INSTANCE\n"
-#: The part again, two to the right, and once turned by 90 degrees about Z through (4, 0, 0).
+#: The part again, two to the right, and once turned by 90 degrees about Z through (5, 0, 0).
 TWO = "*INSTANCE, NAME=P-2, PART=P\n2.,\n*END INSTANCE\n"
-TURNED = "*INSTANCE, NAME=P-3, PART=P\n4., 0., 0.\n4., 0., 0., 4., 0., 1., 90.\n*END INSTANCE\n"
+TURNED = "*INSTANCE, NAME=P-3, PART=P\n5.\n5., 0., 0., 5., 0., 1., 90.\n*END INSTANCE\n"
 
 #: Files that are read: what they say, and the tags of the cube with their area vectors.
 X_END = (1.0, 0.0, 0.0)
@@ -324,9 +324,9 @@ def test_two_instances_keep_their_names_and_places_apart(tmp_path):
     mesh = MeshFile(write(tmp_path, text)).read().mesh
     assert set(mesh.faces) == {"P-1.side", "P-2.side", "far", "boundary"}
     low, high = (f(mesh.vertices, axis=0) for f in (np.min, np.max))
-    np.testing.assert_allclose([low, high], [(0, 0, 0), (4, 1, 1)], atol=1e-14)
+    np.testing.assert_allclose([low, high], [(0, 0, 0), (5, 1, 1)], atol=1e-14)
     for tag, vector, x in (
-        ("P-1.side", (1, 0, 0), 1.0), ("P-2.side", (1, 0, 0), 3.0), ("far", (0, 1, 0), 3.5)
+        ("P-1.side", (1, 0, 0), 1.0), ("P-2.side", (1, 0, 0), 3.0), ("far", (0, 1, 0), 4.5)
     ):  # fmt: skip
         facets = mesh.faces[tag]
         np.testing.assert_allclose(area_vectors(mesh, facets).sum(axis=0), vector, atol=1e-14)
