@@ -86,7 +86,8 @@ def test_each_list_of_numbers_is_sorted_once(tmp_path, monkeypatch):
 
 def test_numbers_are_found_by_what_the_file_calls_them():
     numbers = Numbering(np.array([7, 3, 50, 4]), first=100)
-    np.testing.assert_array_equal(numbers.find(np.array([[3, 4], [5, 50]])), [[101, 103], [-1, 102]])
+    found = numbers.find(np.array([[3, 4], [5, 50]]))
+    np.testing.assert_array_equal(found, [[101, 103], [-1, 102]])
     np.testing.assert_array_equal(numbers.between(3, 7, 2), [101, 100])
     np.testing.assert_array_equal(numbers.between(8, 49, 1), [])
     np.testing.assert_array_equal(Numbering(np.array([5, 1, 5, 1])).twice(), [2, 3])

@@ -31,7 +31,7 @@ def stl_binary(header: bytes = b"made here", count: int | None = None) -> bytes:
 
 
 TEXT, BINARY = stl_text(), stl_binary()
-OTHER = stl_text("second part", CORNERS + [3.0, 0.0, 0.0])
+OTHER = stl_text("second part", CORNERS + np.array([3.0, 0.0, 0.0]))
 STL_READ: dict[str, bytes] = {
     "text": TEXT.encode(),
     "upper case": TEXT.upper().encode(),

@@ -91,8 +91,8 @@ def test_a_gmsh_file_is_read(tmp_path, name):
         (HEX_22, [(rb'"slant"', b'"schr\xe4g"')], "names of physical groups are not in UTF-8"),
         (HEX_22, [(rb"\A.*(?=\$Nodes)", b""), (rb"\$Nodes", b"$NOD")],
          "is in Gmsh format 1; allowed are 2.2 and 4.1"),
-        (HEX_22, [(rb"^(\d+) 5 2 ", rb"\1 140 2 ")], "elements of a type that is not read, .*Order"),
-        (HEX_41, [(rb"^3 1 5 ", rb"3 1 140 ")], "elements of a type that is not read, .*Order"),
+        (HEX_22, [(rb"^(\d+) 5 2 ", rb"\1 140 2 ")], "elements of a type that is not read"),
+        (HEX_41, [(rb"^3 1 5 ", rb"3 1 140 ")], "elements of a type that is not read"),
         (BINARY_41, [(rb"^\$EndEntities\n",
                       b"$EndEntities\n$PartitionedEntities\n$EndPartitionedEntities\n")],
          "is partitioned"),
@@ -219,13 +219,13 @@ def test_a_vtu_file_is_refused_by_its_feature(tmp_path):
     refused(vtu(tmp_path, (42,) * 8, more=faces_of_polyhedra()), "holds polyhedra, .*Tetrahedral")
     refused(vtu(tmp_path, (42, *(12,) * 7), more=faces_of_polyhedra()), "polyhedra")
     refused(vtu(tmp_path, (*(12,) * 7, 11)), "kinds that cannot be read .voxels")
-    refused(vtu(tmp_path, (*(12,) * 7, 10), wide), "mixes tetrahedra and hexahedra .7 hexahedron, 1")
+    refused(vtu(tmp_path, (*(12,) * 7, 10), wide), "mixes tetrahedra and hexahedra .7 hexa")
     refused(vtu(tmp_path, (72,) * 8), "cells of kind VTK_LAGRANGE_HEXAHEDRON")
     refused(vtu(tmp_path, (), []), "one of its arrays is empty")
     text = vtu(tmp_path).read_text()
     for old, new, named in (
-        ('version="0.1"', 'version="2.3"', "this version of the format .* save it as version 1.0"),
-        ("byte_order", 'compressor="vtkLZ4DataCompressor" byte_order', "vtkLZ4.* save it with ZLib"),
+        ('version="0.1"', 'version="2.3"', "this version of the format .* save it as version"),
+        ("byte_order", 'compressor="vtkLZ4DataCompressor" byte_order', "vtkLZ4.* save it with"),
         ("<UnstructuredGrid>", '<UnstructuredGrid><FieldData><DataArray type="String" Name="a" '
          'format="ascii">65 0</DataArray></FieldData>', "arrays that are no numbers, such as text"),
     ):  # fmt: skip
