@@ -9,6 +9,7 @@ from __future__ import annotations
 import contextlib
 import io
 import re
+import tempfile
 import warnings
 from collections.abc import Callable
 from pathlib import Path
@@ -29,6 +30,11 @@ from sphsolid.geometry.unread_features import (
 
 #: Arrays that number surfaces; the first of these that a VTU file has is taken before any other.
 TAG_ARRAYS = ("gmsh:physical", "tag", "tags", "boundary", "facet", "CellEntityIds", "medit:ref")
+#: Sections of a Gmsh file that hold results.
+_RESULTS = re.compile(
+    rb"^\$(NodeData|ElementData|ElementNodeData|InterpolationScheme)\s*$.*?^\$End\1\s*?$",
+    re.M | re.S,
+)
 #: Integer arrays that never name a part of the boundary.
 _NEVER_TAGS = ("gmsh:geometrical", "vtkOriginalCellIds", "GlobalIds", "vtkGhostType")
 
@@ -63,26 +69,29 @@ def read_gmsh(path: Path) -> FileContent:
             f"{path} is truncated: its section ${name} has no $End{name}; copy or save it again",
         )
     names = _physical_names(path, data)
-    mesh = read_guarded(meshio.gmsh.read, path, f"Gmsh {version}", GMSH_REASONS)
+    mesh = _without_results(path, data, f"Gmsh {version}")
     tags: dict[str, list[Block]] = {name: [] for name in names.values()}
     numbers = mesh.cell_data.get("gmsh:physical")
+    # A surface in two groups: 2.2 repeats its cells, 4.1 says so in the cell sets only.
+    sets = {
+        name: mesh.cell_sets[name]
+        for name in tags
+        if name in mesh.cell_sets and mesh.field_data[name][1] == 2
+    }
     for k, block in enumerate(mesh.cells):
         if block.type not in SURFACE_CORNERS:
             continue
-        members = {name: np.zeros(len(block.data), dtype=bool) for name in names.values()}
+        members: dict[str, Indices] = {}
         if numbers is not None:
             # A negative number turns the elements of its group round.
-            of = np.abs(numbers[k])
-            for number in np.unique(of[of != 0]).tolist():
-                name = names.get(number, str(number))
-                members[name] = of == number
-        # A surface in two groups: 2.2 repeats its cells, 4.1 says so in the cell sets only.
-        for name in names.values():
-            if name in mesh.cell_sets and mesh.field_data[name][1] == 2:
-                members[name][np.asarray(mesh.cell_sets[name][k], dtype=int)] = True
-        for name, member in members.items():
-            if member.any():
-                tags.setdefault(name, []).append(Block(block.type, _index(block.data[member])))
+            for number, rows in by_number(np.abs(numbers[k])):
+                members[names.get(number, str(number))] = rows
+        for name, its in sets.items():
+            if len(its[k]):
+                rows = np.asarray(its[k]).astype(np.int64)
+                members[name] = np.union1d(members.get(name, rows), rows)
+        for name, rows in members.items():
+            tags.setdefault(name, []).append(Block(block.type, _index(block.data[rows])))
     return FileContent(
         mesh.points,
         _blocks(mesh),
@@ -90,6 +99,19 @@ def read_gmsh(path: Path) -> FileContent:
         way_out="mesh the body in 3D; where Gmsh has physical groups it saves only those: put the "
         "volume into one, too",
     )
+
+
+def _without_results(path: Path, data: bytes, what: str) -> Any:
+    """The mesh of a Gmsh file, from a copy without results, if it has any.
+
+    meshio takes results only where every node or element has one.
+    """
+    if (bare := _RESULTS.sub(b"", data)) == data:
+        return read_guarded(meshio.gmsh.read, path, what, GMSH_REASONS)
+    with tempfile.TemporaryDirectory() as folder:
+        copy = Path(folder) / "mesh.msh"
+        copy.write_bytes(bare)
+        return read_guarded(lambda _: meshio.gmsh.read(str(copy)), path, what, GMSH_REASONS)
 
 
 def _physical_names(path: Path, data: bytes) -> dict[int, str]:
@@ -154,10 +176,9 @@ def read_vtu(path: Path) -> FileContent:
     for name, array in _tag_arrays(path, mesh).items():
         for k, block in enumerate(mesh.cells):
             if block.type in SURFACE_CORNERS:
-                for number in np.unique(array[k][array[k] > 0]).tolist():
-                    nodes = _index(block.data[array[k] == number])
-                    key = name or str(number)
-                    tags.setdefault(key, []).append(Block(block.type, nodes))
+                for number, rows in by_number(array[k]):
+                    nodes = _index(block.data[rows])
+                    tags.setdefault(name or str(number), []).append(Block(block.type, nodes))
     return FileContent(
         mesh.points, _blocks(mesh), {name: tuple(blocks) for name, blocks in tags.items()}
     )
@@ -209,6 +230,15 @@ def read_guarded(
             hints = [hint for pattern, hint in reasons if re.search(pattern, reason)]
             hint = [*hints, "it is truncated or damaged, or not what its name says"][0]
             raise InputError(f"{path} cannot be read as {what}: {hint} ({reason})") from error
+
+
+def by_number(values: Any) -> list[tuple[int, Indices]]:
+    """Each number above zero with the rows ``(k,)`` that have it; all of them by one sort."""
+    order = np.argsort(values, kind="stable")
+    order = order[values[order] > 0]
+    starts = np.flatnonzero(np.diff(values[order].astype(np.int64), prepend=0))
+    parts = np.split(order, starts[1:]) if len(order) else []
+    return [(int(values[rows[0]]), rows) for rows in parts]
 
 
 def _index(nodes: Any) -> Indices:

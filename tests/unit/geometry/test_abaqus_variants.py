@@ -261,7 +261,7 @@ REFUSED: dict[str, tuple[str | bytes, str]] = {
     ),
     "a mesh in an instance that is moved": (
         f"*PART, NAME=P\n*END PART\n*ASSEMBLY\n*INSTANCE, NAME=P-1, PART=P\n1., 0., 0.\n{FLAT}"
-        "*END INSTANCE\n*END ASSEMBLY\n", "has nodes of its own and is moved, too",
+        "*END INSTANCE\n*END ASSEMBLY\n", "has elements of its own and is moved",
     ),
     "two parts without an assembly": (
         PART + PART.replace("NAME=P", "NAME=Q"), "2 parts and no .INSTANCE"

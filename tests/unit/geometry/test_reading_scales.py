@@ -10,6 +10,7 @@ import pytest
 from sphsolid.geometry import Box
 from sphsolid.geometry.abaqus_reading import read_abaqus
 from sphsolid.geometry.mesh_file import reading
+from sphsolid.geometry.meshio_reading import by_number
 from sphsolid.geometry.numbering import Numbering
 
 MESH = Box().mesh(1.0 / 12.0)
@@ -82,6 +83,15 @@ def test_each_list_of_numbers_is_sorted_once(tmp_path, monkeypatch):
     )
     read(tmp_path / "body.inp", text_with(50))
     assert len(made) == 2  # nodes and elements
+
+
+def test_rows_of_each_number_are_found_by_one_sort(work):
+    values = np.array([3, 0, 7, 3, -2, 7, 7])
+    found = by_number(values)
+    assert [(number, rows.tolist()) for number, rows in found] == [(3, [0, 3]), (7, [2, 5, 6])]
+    assert work["sorted"] == len(values)
+    assert by_number(np.zeros(3, np.int32)) == by_number(np.zeros(0, bool)) == []
+    assert by_number(np.array([True, False]))[0][0] == 1
 
 
 def test_numbers_are_found_by_what_the_file_calls_them():

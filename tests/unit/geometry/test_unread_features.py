@@ -68,6 +68,13 @@ GMSH_READ = {
     "comments at the beginning": [(rb"\A", b"$Comments\nby hand\n$EndComments\n")],
     "sections that are not known": [(rb"\Z", b"$Mine\n1 2 3\n$EndMine\n")],
     "periodic nodes": [(rb"\Z", PERIODIC)],
+    "results at some nodes and cells": [
+        (
+            rb"\Z",
+            b'$NodeData\n1\n"T"\n1\n0.0\n3\n0\n1\n2\n3 1.0\n9 2.0\n$EndNodeData\n'
+            b'$ElementData\n1\n"e"\n1\n0.0\n3\n0\n1\n1\n7 1.0\n$EndElementData\n',
+        )
+    ],
     "a group that turns its surfaces": [(rb"^(17 1.5 0 0 2 1 1.5) 1 2 ", rb"\1 1 -2 ")],
 }
 
@@ -108,7 +115,7 @@ def test_a_binary_file_whose_nodes_have_gaps_in_their_numbers(tmp_path):
     at = data.index(b"$Nodes\n36\n") + len(b"$Nodes\n36\n") + 35 * 28
     path = tmp_path / "body.msh"
     path.write_bytes(data[:at] + struct.pack("<i", 99) + data[at + 4 :])
-    refused(path, r"nodes or elements are not numbered 1, 2, 3, .* as MSH 4\.1")
+    refused(path, r"nodes are not numbered 1, 2, 3, .* as MSH 4\.1")
 
 
 # ---------------------------------------------------------------------- VTU
