@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sphsolid.errors import InputError, require
-from sphsolid.geometry.meshio_reading import read_vtu
+from sphsolid.geometry.vtu_reading import read_vtu
 
 Array = NDArray[np.float64]
 #: Names of the columns of coordinates, as they are and as ParaView writes them.
