@@ -57,8 +57,12 @@ def read_cards(path: Path) -> Cards:
             continue
         keyword = line.startswith("*")
         if not keyword and not continued:
-            if found:
-                found[-1].data.append(line)
+            require(
+                len(found) > 0,
+                f"{path} is not an Abaqus input file: line {number} stands before the first "
+                "*KEYWORD line",
+            )
+            found[-1].data.append(line)
             continue
         words = [word.strip() for word in _COMMA.split(line)]
         if keyword:

@@ -113,6 +113,11 @@ def elements_of(where: str, card: Card) -> Elements:
         )
     kind, size = kinds[0]
     words = card.words()
+    require(
+        size != 27 or len(words) % (size + 1) == 0,
+        f"{where}: elements of type {name} with fewer than 27 nodes are not read: write all of "
+        "them, or elements C3D20",
+    )
     if len(words) % (size + 1):
         raise InputError(
             f"{where}: {len(words)} numbers do not make elements of type {name}, which have "
@@ -128,6 +133,7 @@ def facets_of(where: str, kind: str, nodes: Indices, label: str) -> tuple[str, I
 
     Surface elements are facets themselves.  Raises ``InputError`` for no such facet.
     """
+    require(kind != "line", f"{where}: elements without a volume or area have no face {label!r}")
     faces = SURFACE_FACES.get(re.sub(r"\d+$", "", kind))
     if faces is None:
         require(

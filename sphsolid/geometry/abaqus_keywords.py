@@ -31,7 +31,8 @@ class Parameters:
 
 
 _INLINE = "put the lines of that file after this one"
-_SETS = {"read": ("GENERATE", "INSTANCE"), "harmless": ("INTERNAL", "UNSORTED")}
+_OF_SETS = ("GENERATE", "INSTANCE")
+_IN_SETS = ("INTERNAL", "UNSORTED")
 READ: dict[str, Parameters] = {
     "NODE": Parameters(
         read=("NSET", "SYSTEM"),
@@ -47,10 +48,8 @@ READ: dict[str, Parameters] = {
             "OFFSET": "write out the numbers of the nodes",
         },
     ),
-    "NSET": Parameters(
-        needed=("NSET",), read=("ELSET", *_SETS["read"]), harmless=_SETS["harmless"]
-    ),
-    "ELSET": Parameters(needed=("ELSET",), **_SETS),
+    "NSET": Parameters(needed=("NSET",), read=("ELSET", *_OF_SETS), harmless=_IN_SETS),
+    "ELSET": Parameters(needed=("ELSET",), read=_OF_SETS, harmless=_IN_SETS),
     "SURFACE": Parameters(
         needed=("NAME",),
         read=("TYPE",),
@@ -120,6 +119,8 @@ def understood(where: str, card: Card) -> Card | None:
             f"{where}: this is no keyword that is known here; correct it, or remove it if it has "
             "nothing to do with the mesh"
         )
+    if name == "SYSTEM" and not any(card.words()):
+        return None  # back to the axes that there are from the beginning
     if name in REFUSED:
         raise InputError(f"{where}: {REFUSED[name]}")
     if name not in READ:

@@ -137,9 +137,9 @@ class Model:
             f"{sorted(name for name, _ in self.parts.values())}",
         )
         require(
-            not (instance.card.data and instance.own.nodes),
-            f"{instance.where}: it has nodes of its own and is moved, too, which is not read: put "
-            "its mesh into the part (in Abaqus/CAE: make the instance dependent)",
+            not (instance.card.data and instance.own.elements),
+            f"{instance.where}: it has elements of its own and is moved, too, which is not read: "
+            "put its mesh into the part (in Abaqus/CAE: make the instance dependent)",
         )
         part = self.parts[given["PART"].upper()][1].joined(instance.own)
         points = moved(instance.where, instance.card, part.coordinates())

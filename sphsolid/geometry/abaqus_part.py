@@ -74,7 +74,7 @@ class Part:
             entry.of_elements = False
 
     def joined(self, other: Part) -> Part:
-        """This part and what one of its instances adds."""
+        """The part and what one of its instances adds."""
         result = Part()
         for part in (self, other):
             result.nodes += part.nodes
@@ -99,7 +99,8 @@ class Part:
             if what == "node"
             else [(where, block.ids) for where, block in self.elements]
         )
-        found = Numbering(np.concatenate([np.zeros(0, np.int64), *(ids for _, ids in blocks)]), first)
+        ids = np.concatenate([np.zeros(0, np.int64), *(ids for _, ids in blocks)])
+        found = Numbering(ids, first)
         if len(twice := found.twice()):
             ends = np.cumsum([len(ids) for _, ids in blocks])
             where = blocks[int(np.searchsorted(ends, twice[0], side="right"))][0]
@@ -142,9 +143,9 @@ def _nodes(where: str, card: Card) -> tuple[Indices, Array]:
 
 
 def _cartesian(given: Array, system: str) -> Array:
-    """From radius, angle, Z, or radius, longitude, latitude; angles in degrees.
+    """From radius, angle, Z, or radius, longitude, latitude, in degrees.
 
-    X = r cos(phi) cos(theta),  Y = r cos(phi) sin(theta),  Z = r sin(phi)
+    ``X = r cos(phi) cos(theta), Y = r cos(phi) sin(theta), Z = r sin(phi)``.
     """
     if system == "R":
         return given

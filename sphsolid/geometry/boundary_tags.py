@@ -74,8 +74,11 @@ def tagged_faces(
             )
         taken = owner[mine] >= 0
         if taken.any():
-            other = names[owner[mine[np.argmax(taken)]]]
-            raise _overlap(file, other, name, int(taken.sum()), vertices[tagged[taken][0]])
+            first = owner[mine[np.argmax(taken)]]
+            shared = owner[mine] == first
+            raise _overlap(
+                file, names[first], name, int(shared.sum()), vertices[tagged[shared][0]]
+            )
         owner[mine] = k
     owners = owner[number[: len(boundary)]]
     _add_node_sets(file, vertices, boundary, node_sets, names, owners)
@@ -117,8 +120,9 @@ def _add_node_sets(
             continue
         taken = mine[owners[mine] >= 0]
         if len(taken):
+            shared = taken[owners[taken] == owners[taken[0]]]
             other = names[owners[taken[0]]]
-            raise _overlap(file, other, name, len(taken), vertices[boundary[taken[0]]])
+            raise _overlap(file, other, name, len(shared), vertices[boundary[shared[0]]])
         owners[mine] = len(names)
         names.append(name)
         taken_names.add(name)

@@ -24,6 +24,7 @@ from sphsolid.geometry.file_content import (
     Block,
     FileContent,
 )
+from sphsolid.geometry.gmsh_reading import read_gmsh
 from sphsolid.geometry.integrals import cell_volumes_and_centroids
 from sphsolid.geometry.mesh import HexMesh, TetMesh, copied
 from sphsolid.geometry.mesh_defects import (
@@ -32,9 +33,9 @@ from sphsolid.geometry.mesh_defects import (
     refuse_duplicates,
     right_handed,
 )
-from sphsolid.geometry.meshio_reading import read_gmsh, read_vtu
 from sphsolid.geometry.overlap import refuse_overlap
 from sphsolid.geometry.units import Unit, metres
+from sphsolid.geometry.vtu_reading import read_vtu
 from sphsolid.paths import path_of
 
 Indices = NDArray[np.int64]
@@ -72,7 +73,7 @@ class MeshFile:
     :data:`~sphsolid.geometry.units.UNITS` or metres as a number.
 
     Tags of the boundary are the physical surfaces of Gmsh, the integer arrays on the surface
-    cells of a VTU file (:func:`~sphsolid.geometry.meshio_reading.read_vtu`) and the surfaces,
+    cells of a VTU file (:func:`~sphsolid.geometry.vtu_reading.read_vtu`) and the surfaces,
     element sets and node sets of Abaqus
     (:func:`~sphsolid.geometry.abaqus_reading.read_abaqus`); facets without a tag are tagged
     ``boundary``.  Tags may not overlap.

@@ -45,6 +45,7 @@ def read_obj(path: Path) -> tuple[Array, list[Indices]]:
                     f"{where}: facets of {len(corners)} corners are not read; save the surface "
                     "as triangles",
                 )
+                require(0 not in corners, f"{where}: vertex 0: OBJ counts from one")
                 # From one, or back from the vertex before this line, which is -1.
                 loops[len(corners)].append([k - 1 if k > 0 else len(points) + k for k in corners])
         except InputError:

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sphsolid.errors import InputError, require
-from sphsolid.geometry.meshio_reading import read_vtu
+from sphsolid.geometry.vtu_reading import read_vtu
 
 Array = NDArray[np.float64]
 #: Names of the columns of coordinates, as they are and as ParaView writes them.
@@ -22,8 +22,9 @@ def read_points(path: Path) -> Array:
     """Points ``(n, 3)`` of a ``.npy`` array, the points of a ``.vtu``, or a table of numbers.
 
     A table (``.csv`` with commas, ``.xyz`` and ``.txt`` with blanks) has three columns, or a first
-    line with names, of which ``x``, ``y`` and ``z`` count (``Points:0`` ... of ParaView, too); lines
-    that begin with ``#`` are left out.  Raises ``InputError`` for a file that is missing, of another kind or cannot be read.
+    line with names, of which ``x``, ``y`` and ``z`` count (``Points:0`` ... of ParaView, too);
+    lines that begin with ``#`` are left out.  Raises ``InputError`` for a file that is missing, of
+    another kind, a table of another layout, or cannot be read.
     """
     require(path.is_file(), f"{path}: there is no such file")
     kind = path.suffix.lower()

@@ -15,8 +15,8 @@ Array = NDArray[np.float64]
 _HEADER = 84
 _FACET = np.dtype([("numbers", "<f4", (12,)), ("attribute", "<u2")])
 _WAY_OUT = "copy or save it again"
-_NUMBER = rb"[-+0-9.eEdDinfatyINFATY]+"
-_VERTEX = re.compile(rb"\bvertex\s+(%b)\s+(%b)\s+(%b)" % (_NUMBER, _NUMBER, _NUMBER), re.I)
+_NUMBER = rb"\s+([-+]?(?:[.\d]|nan|inf)\S*)"
+_VERTEX = re.compile(rb"\bvertex" + 3 * _NUMBER, re.I)
 _FACET_WORDS = (rb"facet", rb"endfacet")
 _SOLID = re.compile(rb"^[ \t]*solid\b([^\n]*)", re.I | re.M)
 
@@ -38,7 +38,7 @@ def read_stl(path: Path) -> list[tuple[str, Array]]:
         f"solid, are less than the header of a binary file; {_WAY_OUT}",
     )
     (count,) = struct.unpack("<I", data[80:_HEADER])
-    held, rest = divmod(len(data) - _HEADER, _FACET.itemsize)
+    held = (len(data) - _HEADER) // _FACET.itemsize
     require(
         held >= count,
         f"{path} is truncated, or no STL file: it says {count} facets and has {held}; {_WAY_OUT}",
@@ -55,7 +55,7 @@ def read_stl(path: Path) -> list[tuple[str, Array]]:
 
 def _is_text(data: bytes) -> bool:
     """Binary files may begin with ``solid``, too: but their length fits, or they have zeros."""
-    if not data.lstrip(b"\xef\xbb\xbf \t\r\n")[:5].lower() == b"solid":
+    if data.lstrip(b"\xef\xbb\xbf \t\r\n")[:5].lower() != b"solid":
         return False
     if len(data) >= _HEADER:
         (count,) = struct.unpack("<I", data[80:_HEADER])
@@ -79,10 +79,11 @@ def _solids(path: Path, data: bytes) -> list[tuple[str, Array]]:
 
 def _corners(path: Path, text: bytes, name: str) -> Array:
     end = re.search(rb"\bendsolid\b", text, re.I)
-    require(
-        end is not None, f"{path} is truncated: solid {name!r} of this STL has no endsolid; {_WAY_OUT}"
-    )
-    body = text[: end.start()] if end else text
+    if end is None:
+        raise InputError(
+            f"{path} is truncated: solid {name!r} of this STL has no endsolid; {_WAY_OUT}"
+        )
+    body = text[: end.start()]
     facets, ended = (len(re.findall(rb"\b%b\b" % word, body, re.I)) for word in _FACET_WORDS)
     words = _VERTEX.findall(body)
     require(

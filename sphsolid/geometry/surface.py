@@ -85,7 +85,8 @@ class Surface:
 
         ``unit``: one of :data:`~sphsolid.geometry.units.UNITS` or metres as a number.  Names: the
         physical surfaces of ``.msh``, the tags of ``.vtu``, the solids of ``.stl`` where there
-        are several.  Vertices of ``.stl`` are merged.  Raises ``InputError`` for a file that cannot be read, and as :meth:`closed` does.
+        are several.  Vertices of ``.stl`` are merged.  Raises ``InputError`` for a file that
+        cannot be read, and as :meth:`closed` does.
         """
         scale = metres(unit, f"surface file {path}")
         facets = read_facets(path_of(path))

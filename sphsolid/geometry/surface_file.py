@@ -14,9 +14,11 @@ from sphsolid.errors import InputError, require
 from sphsolid.geometry.closed_surface import halves
 from sphsolid.geometry.facets import same_vertices
 from sphsolid.geometry.file_content import SURFACE_CORNERS, FileContent
-from sphsolid.geometry.meshio_reading import read_gmsh, read_guarded, read_vtu
+from sphsolid.geometry.gmsh_reading import read_gmsh
+from sphsolid.geometry.meshio_reading import read_guarded
 from sphsolid.geometry.obj_reading import read_obj
 from sphsolid.geometry.stl_reading import read_stl
+from sphsolid.geometry.vtu_reading import read_vtu
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import math
-from numbers import Real
+
+import numpy as np
 
 from sphsolid.errors import InputError
 
 Unit = str | float
+_NUMBERS = (int, float, np.integer, np.floating)
 
 #: Metres to a unit of length.
 UNITS = {
@@ -27,15 +29,14 @@ _SHOWN = "m, dm, cm, mm, um (or µm), nm, in, ft"
 LARGE = 5.0
 
 
-def metres(unit: Unit, of: str) -> float:
+def metres(unit: object, of: str) -> float:
     """Metres to a unit of ``of``, by its name or as a positive number of metres.
 
     Raises ``InputError`` for another name, or a number that is not positive and finite.
     """
     if isinstance(unit, str) and unit in UNITS:
         return UNITS[unit]
-    number = isinstance(unit, Real) and not isinstance(unit, bool)
-    if number and 0.0 < float(unit) < math.inf:
+    if isinstance(unit, _NUMBERS) and unit is not True and 0.0 < float(unit) < math.inf:
         return float(unit)
     raise InputError(
         f"unit = {unit!r} of {of}: allowed are {_SHOWN}, or a positive number of metres"

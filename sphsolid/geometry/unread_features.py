@@ -33,10 +33,9 @@ GMSH_REASONS: Reasons = (
         "with Mesh.ElementOrder = 1 or 2",
     ),
     (
-        "^ReadError *$|Incompatible (cell|point) data|^ValueError all the input array dimensions",
-        "its nodes or elements are not numbered 1, 2, 3, ..., or it is partitioned or carries "
-        "result data, which a binary file is not read with; save the mesh alone as MSH 4.1, "
-        "without partitions",
+        "^ReadError *$|^ValueError all the input array dimensions",
+        "its nodes are not numbered 1, 2, 3, ..., or it is partitioned, which a binary file of "
+        "2.2 is not read with; save the mesh as MSH 4.1, without partitions",
     ),
 )
 VTU_REASONS: Reasons = (

@@ -8,7 +8,9 @@ volume 2.625.  Physical surfaces ``clamped`` (X = 0), ``slant`` (the inclined fa
 - ``prism_{tet,hex}_{1,2}.inp``: Abaqus, hexahedra of order 2 with 20 nodes;
 - ``prism_{tet,hex}_{1,2}.vtu``: the same through meshio, each surface an array of zeros and ones;
 - ``prism_tet_mm.msh``: the tetrahedra of order 1 in millimetres;
-- ``save_all_{22,41}.msh``: saved with ``Mesh.SaveAll``, which spoils the groups.
+- ``save_all_{22,41}.msh``: saved with ``Mesh.SaveAll``, which spoils the groups;
+- ``partitioned_{22,41}.msh``: two partitions, as for parallel codes; ``one_of_two_22.msh``: the
+  first of them, saved on its own; ``parametric_{22,41}.msh``: with ``Mesh.SaveParametric``.
 
 Vertices are the same in all files of a kind of cell.
 """
@@ -75,6 +77,25 @@ def as_vtu(name: str) -> None:
     meshio.write(FOLDER / f"prism_{name}.vtu", mesh)
 
 
+def unread(gmsh: Any) -> None:
+    """Files with features that are not read, and the same that are."""
+    gmsh.initialize()
+    gmsh.option.setNumber("General.Terminal", 0)
+    prism(gmsh, 1.0, hexahedra=True)
+    gmsh.option.setNumber("Mesh.SaveParametric", 1)
+    write(gmsh, "parametric_22", 2.2, binary=False)
+    write(gmsh, "parametric_41", 4.1, binary=False)
+    gmsh.option.setNumber("Mesh.SaveParametric", 0)
+    gmsh.model.mesh.partition(2)
+    write(gmsh, "partitioned_22", 2.2, binary=False)
+    write(gmsh, "partitioned_41", 4.1, binary=False)
+    gmsh.option.setNumber("Mesh.PartitionSplitMeshFiles", 1)
+    write(gmsh, "one_of_two_22", 2.2, binary=False)
+    gmsh.finalize()
+    (FOLDER / "one_of_two_22_1.msh").rename(FOLDER / "one_of_two_22.msh")
+    (FOLDER / "one_of_two_22_2.msh").unlink()
+
+
 def main() -> None:
     """Write every file."""
     gmsh: Any = importlib.import_module("gmsh")
@@ -106,6 +127,7 @@ def main() -> None:
     write(gmsh, "save_all_22", 2.2, binary=False)
     write(gmsh, "save_all_41", 4.1, binary=False)
     gmsh.finalize()
+    unread(gmsh)
 
 
 if __name__ == "__main__":

@@ -46,9 +46,9 @@ def assembly(*lines: str, parts: str = PART) -> str:
 
 
 ONE = "*INSTANCE, NAME=P-1, PART=P\n*END INSTANCE\n"
-#: The part again, two to the right, and once turned by 90 degrees about Z through (4, 0, 0).
+#: The part again, two to the right, and once turned by 90 degrees about Z through (5, 0, 0).
 TWO = "*INSTANCE, NAME=P-2, PART=P\n2.,\n*END INSTANCE\n"
-TURNED = "*INSTANCE, NAME=P-3, PART=P\n4., 0., 0.\n4., 0., 0., 4., 0., 1., 90.\n*END INSTANCE\n"
+TURNED = "*INSTANCE, NAME=P-3, PART=P\n5.\n5., 0., 0., 5., 0., 1., 90.\n*END INSTANCE\n"
 
 #: Files that are read: what they say, and the tags of the cube with their area vectors.
 X_END = (1.0, 0.0, 0.0)
@@ -105,8 +105,11 @@ READ: dict[str, tuple[str | bytes, dict[str, tuple]]] = {
     ),
     "a keyword that goes on": (TAGGED.replace("*SURFACE, ", "*SURFACE,\n** so\nTYPE=ELEMENT, "),
                                {"end": X_END}),
-    "a comma at the end of a keyword": (TAGGED.replace("NAME=end", "NAME=end,\n*STEP,\n*SURFACE, NAME=end"),
-                                        {"end": X_END}),
+    "a comma at the end of a keyword": (
+        TAGGED.replace("NAME=end", "NAME=end,\n*STEP,\n*SURFACE, NAME=end"), {"end": X_END}
+    ),
+    "axes of their own, left again": (TAGGED.replace("*NODE\n", "*SYSTEM\n*NODE\n"),
+                                      {"end": X_END}),
     "elements over two lines": (
         TAGGED.replace(cells(), "".join(row([k, *(c[:5] + 1)])[:-1] + ",\n" + row(c[5:] + 1)
                                         for k, c in enumerate(MESH.cells, 1))), {"end": X_END},
@@ -258,7 +261,7 @@ REFUSED: dict[str, tuple[str | bytes, str]] = {
     ),
     "a mesh in an instance that is moved": (
         f"*PART, NAME=P\n*END PART\n*ASSEMBLY\n*INSTANCE, NAME=P-1, PART=P\n1., 0., 0.\n{FLAT}"
-        "*END INSTANCE\n*END ASSEMBLY\n", "has nodes of its own and is moved, too",
+        "*END INSTANCE\n*END ASSEMBLY\n", "has elements of its own and is moved",
     ),
     "two parts without an assembly": (
         PART + PART.replace("NAME=P", "NAME=Q"), "2 parts and no .INSTANCE"
@@ -267,9 +270,17 @@ REFUSED: dict[str, tuple[str | bytes, str]] = {
         assembly(ONE, TWO.replace("2.,\n", "")), "pairs of vertices lie on the same point"
     ),
     "an axis of no length": (
-        assembly(ONE.replace("=P\n", "=P\n, ,\n1, 0, 0, 1, 0, 0, 90.\n")), "axis of its turn are one"
+        assembly(ONE.replace("=P\n", "=P\n, ,\n1, 0, 0, 1, 0, 0, 90.\n")), "axis of its turn are"
     ),
-    "a part without its end": (PART.replace("*END PART\n", ""), r"truncated: \*PART has no \*END P"),
+    "a part without its end": (PART.replace("*END PART\n", ""), r"truncated: \*PART has no \*END"),
+    "data before a keyword": ("1, 2\n" + TAGGED, "line 1 stands before the first .KEYWORD"),
+    "faces of springs": (
+        TAGGED + "*ELEMENT, TYPE=SPRINGA, ELSET=k\n9, 1, 2\n*SURFACE, NAME=b\nk, S1\n",
+        "elements without a volume or area have no face 'S1'",
+    ),
+    "fewer than 27 nodes": (
+        TAGGED + "*ELEMENT, TYPE=C3D27\n9, " + row(range(1, 22)), "C3D27 with fewer than 27 nodes"
+    ),
     "an end of nothing": (TAGGED + "*END PART\n", "there is nothing open that it ends"),
     "cut in an element": (FLAT[:-4], "is truncated: it ends in the middle of line 37"),
     "cut in a set": (
@@ -324,15 +335,15 @@ def test_two_instances_keep_their_names_and_places_apart(tmp_path):
     mesh = MeshFile(write(tmp_path, text)).read().mesh
     assert set(mesh.faces) == {"P-1.side", "P-2.side", "far", "boundary"}
     low, high = (f(mesh.vertices, axis=0) for f in (np.min, np.max))
-    np.testing.assert_allclose([low, high], [(0, 0, 0), (4, 1, 1)], atol=1e-14)
+    np.testing.assert_allclose([low, high], [(0, 0, 0), (5, 1, 1)], atol=1e-14)
     for tag, vector, x in (
-        ("P-1.side", (1, 0, 0), 1.0), ("P-2.side", (1, 0, 0), 3.0), ("far", (0, 1, 0), 3.5)
+        ("P-1.side", (1, 0, 0), 1.0), ("P-2.side", (1, 0, 0), 3.0), ("far", (0, 1, 0), 4.5)
     ):  # fmt: skip
         facets = mesh.faces[tag]
         np.testing.assert_allclose(area_vectors(mesh, facets).sum(axis=0), vector, atol=1e-14)
         assert mesh.vertices[np.unique(facets), 0].mean() == pytest.approx(x)
     # The same facets under two names are refused, as in any file.
-    with pytest.raises(InputError, match="tags 'P-1.side' and 'both' share 4 facets"):
+    with pytest.raises(InputError, match=r"tags 'P-1\.side' and 'both' share 4 facets"):
         MeshFile(write(tmp_path, assembly(ONE, TWO, both))).read()
     bare = PART.replace(f"*NSET, NSET=side\n{row(END)}", f"*NSET, NSET=side\n{row([END[0]])}")
     moved = both.replace("P-1.side", "\n".join(f"P-1.{n}" for n in END)).replace(
@@ -344,7 +355,7 @@ def test_two_instances_keep_their_names_and_places_apart(tmp_path):
 
 def test_a_part_and_the_assembly_may_use_a_name_twice(tmp_path):
     text = assembly(ONE, SURFACE.replace("end", "side").replace("right, S4", "P-1.right, S6"))
-    with pytest.raises(InputError, match="'side': 4 of its 4 facets .* between two cells"):
+    with pytest.raises(InputError, match=r"'side': 4 of its 4 facets .* between two cells"):
         MeshFile(write(tmp_path, text)).read()
     text = text.replace("S6", "S4").replace("NSET=side", "NSET=other")
     assert set(MeshFile(write(tmp_path, text)).read().mesh.faces) == {"side", "boundary"}
@@ -356,7 +367,7 @@ def test_what_is_left_out_is_said_once(tmp_path):
         "*ELEMENT, TYPE=T3D2, ELSET=Line1\n50, 1, 2\n*ELEMENT, TYPE=MASS, ELSET=m\n51, 1\n52, 2\n"
         "*MASS, ELSET=m\n1.,\n*ELEMENT, TYPE=SPRINGA\n53, 1, 2\n*TIE, NAME=t\na, b\n"
     )
-    with pytest.warns(UserWarning) as caught:
+    with pytest.warns(UserWarning, match="not read") as caught:
         found = MeshFile(write(tmp_path, TAGGED + more)).read()
     said = [str(warning.message).split("body.inp: ")[1] for warning in caught]
     assert said == [
