@@ -13,7 +13,7 @@ from sphsolid.cloud import (
     WendlandC2,
 )
 from sphsolid.continuum import MooneyRivlin, NeoHookean
-from sphsolid.errors import Diverged, InputError
+from sphsolid.errors import Diverged, FoldingWarning, InputError
 from sphsolid.geometry import MeshFile, PointCloud
 from sphsolid.scheme import (
     PF,
@@ -59,6 +59,7 @@ __all__ = [
     "Displacement",
     "Diverged",
     "Equilibrated",
+    "FoldingWarning",
     "FullHessian",
     "Given",
     "InputError",

@@ -11,6 +11,11 @@ from numpy.typing import NDArray
 from sphsolid.errors import InputError
 from sphsolid.geometry.mesh import Mesh
 from sphsolid.record.balance import NOT_TRACKED, Balance, NotTracked
+from sphsolid.record.placement import (
+    NO_SECONDARY_GRADIENT,
+    NoSecondaryGradient,
+    SecondaryGradient,
+)
 
 Array = NDArray[np.float64]
 
@@ -38,7 +43,8 @@ class Snapshot:
     element method (its superconvergent points).  ``strain_energy`` [J], zero in the undeformed
     state, and ``kinetic_energy`` [J] are totals with the method's own quadrature;
     ``volumetric_energy`` [J] is the part ``sum V kappa/2 (J - 1)^2`` of the strain energy.
-    ``balance`` says where energy and momentum went, when a recorder asked for it.
+    ``balance`` says where energy and momentum went, when a recorder asked for it; ``secondary`` is
+    the gradient of ``x`` at the secondary particles, where there are any.
     """
 
     time: float
@@ -56,6 +62,7 @@ class Snapshot:
     P: Array
     strain_energy: float
     balance: Balance | NotTracked = NOT_TRACKED
+    secondary: SecondaryGradient | NoSecondaryGradient = NO_SECONDARY_GRADIENT
 
     @property
     def density(self) -> float:

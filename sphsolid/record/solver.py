@@ -6,6 +6,8 @@ from typing import Any, Protocol
 
 from numpy.typing import NDArray
 
+from sphsolid.record.placement import Placement
+from sphsolid.record.positions import PositionWatch
 from sphsolid.record.snapshot import Snapshot
 from sphsolid.scenes.scene import Scene
 
@@ -16,6 +18,7 @@ class Solver(Protocol):
     scene: Scene
     time: float
     step: int
+    positions: PositionWatch
 
     @property
     def name(self) -> str:
@@ -28,6 +31,10 @@ class Solver(Protocol):
 
     def advance(self, dt: float) -> None:
         """One step of length ``dt`` [s]."""
+        ...
+
+    def placement(self) -> Placement:
+        """Where the body is now; cheaper than a snapshot."""
         ...
 
     def snapshot(self) -> Snapshot:
