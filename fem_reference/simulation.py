@@ -30,6 +30,8 @@ from sphsolid.record import History, Output, Progress, Snapshot, march, restore,
 from sphsolid.record.balance import Balance, MomentumWatch, NotTracked, total_momentum
 from sphsolid.record.checkpoint import ACCOUNT, checkpoint_of, common_identity, rebuilt
 from sphsolid.record.output import NO_OUTPUT
+from sphsolid.record.placement import Placement
+from sphsolid.record.positions import PositionWatch
 from sphsolid.record.probes import check_probes
 from sphsolid.record.recorders import Recorder
 from sphsolid.record.samples import Sampler, Samples
@@ -77,6 +79,8 @@ class Simulation:
         self.scene = scene
         self.element = element
         self.cfl = cfl
+        #: What was seen of the positions: see ``sphsolid.record.positions``.
+        self.positions = PositionWatch()
         self.time = 0.0
         self.step = 0
         if not isinstance(spacing, AsMeshed):
@@ -186,6 +190,10 @@ class Simulation:
             strain_energy=self._elements.strain_energy(self._x),
             balance=self._balance(),
         )
+
+    def placement(self) -> Placement:
+        """Where the nodes are now."""
+        return Placement(self.time, self._mesh, self._x)
 
     def track_balance(self) -> None:
         """Account for energy and momentum from now on."""
@@ -299,16 +307,17 @@ class Simulation:
         )
 
     def summary(self) -> str:
-        """What was done: steps, time steps, speed."""
+        """What was done: steps, time steps, speed; whether the positions are sound."""
         elements = self._elements.count
+        positions = self.positions.line(self.placement())
         done = f"{self.name}: t = {self.time:.6g} s after {self.step} steps"
         if self.step == 0:
-            return f"{done}; {elements} elements, {len(self._x)} nodes"
+            return f"{done}; {elements} elements, {len(self._x)} nodes\n{positions}"
         speed = 1.0e9 * self._wall_time / (self.step * elements)
         return (
             f"{done}; {elements} elements, {len(self._x)} nodes, smallest dt "
             f"{self._smallest_dt:.4g} s, {self._wall_time:.3g} s in steps = {speed:.0f} ns per "
-            f"element-step on {threads()} threads"
+            f"element-step on {threads()} threads\n{positions}"
         )
 
     def _accelerate(self, x: Array, t: float, acceleration: Array) -> None:

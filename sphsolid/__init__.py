@@ -13,7 +13,7 @@ from sphsolid.cloud import (
     WendlandC2,
 )
 from sphsolid.continuum import MooneyRivlin, NeoHookean, check_law
-from sphsolid.errors import Diverged, InputError
+from sphsolid.errors import Diverged, FoldingWarning, InputError
 from sphsolid.geometry import MeshFile, PointCloud
 from sphsolid.recommendation import recommend
 from sphsolid.scheme import (
@@ -62,6 +62,7 @@ __all__ = [
     "Displacement",
     "Diverged",
     "Equilibrated",
+    "FoldingWarning",
     "FullHessian",
     "Given",
     "InputError",

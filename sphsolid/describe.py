@@ -138,10 +138,11 @@ def memory_bytes(sim: Simulation) -> int:
 
 
 def summary(sim: Simulation) -> str:
-    """How far the run is and what it cost."""
+    """How far the run is, what it cost, and whether the positions are those of a body still."""
     work = sim.step * sim.cloud.size
     per = f"{1e9 * sim.run_seconds / work:.0f} ns a particle-step" if work else "no steps yet"
     return (
         f"{sim.name}: t = {sim.time:.6g} s, {sim.step} steps, {sim.cloud.size} particles, "
-        f"set-up {sim.setup_seconds:.2f} s, run {sim.run_seconds:.2f} s, {per}"
+        f"set-up {sim.setup_seconds:.2f} s, run {sim.run_seconds:.2f} s, {per}\n"
+        f"{sim.positions.line(sim.placement())}"
     )

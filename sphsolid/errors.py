@@ -1,4 +1,4 @@
-"""The two ways this package says no: bad input before a run, a lost solution during one."""
+"""How this package says no: bad input before a run, a lost solution or folded positions in one."""
 
 from __future__ import annotations
 
@@ -37,6 +37,13 @@ class Diverged(RuntimeError):
             f"{self.reason} at t = {self.time:.6g} s, step {self.step}, point {self.particle} "
             f"(X = {x:.4g}, {y:.4g}, {z:.4g} m). Try: {self.advice}"
         )
+
+
+class FoldingWarning(UserWarning):
+    """The positions of a running body have folded: the run goes on, its results are of no use.
+
+    Given once a run, the first time an indicator of ``record.positions`` crosses its limit.
+    """
 
 
 def require(condition: bool, message: str) -> None:

@@ -46,6 +46,13 @@ from sphsolid.record.checkpoint import (
 from sphsolid.record.history import History
 from sphsolid.record.march import march
 from sphsolid.record.output import NO_OUTPUT, Output
+from sphsolid.record.placement import (
+    NO_SECONDARY_GRADIENT,
+    NoSecondaryGradient,
+    Placement,
+    SecondaryGradient,
+)
+from sphsolid.record.positions import PositionWatch
 from sphsolid.record.probes import check_probes
 from sphsolid.record.progress import Progress
 from sphsolid.record.recorders import Recorder
@@ -191,6 +198,8 @@ class Simulation:
         )
         self._watch = MomentumWatch(np.zeros((2, 3)))
         self._start_energy = np.zeros(())
+        #: What was seen of the positions: see ``record.positions``.
+        self.positions = PositionWatch()
         self.time = 0.0
         self.step = 0
         self.setup_seconds = clock.perf_counter() - started
@@ -222,6 +231,7 @@ class Simulation:
         branch._state = State.zeros(self.cloud.size, self.formulation, particle_major=major)
         branch._stepper = self.integrator.stepper(rhs, branch._state, rhs.essential)
         branch._allowed = math.nan
+        branch.positions = copy.copy(self.positions)
         branch._running_since = None
         put_back(branch, checkpoint_of(self), "the copy")
         return branch
@@ -444,7 +454,17 @@ class Simulation:
             P=join(law.first_piola(material, F, H, J)),
             strain_energy=float(np.sum(self.cloud.V * density)),
             balance=self._balance(),
+            secondary=self._secondary_gradient(),
         )
+
+    def placement(self) -> Placement:
+        """Where the particles are now, and the gradient of it at the secondary ones."""
+        return Placement(self.time, self.cloud.mesh, self.state.x, self._secondary_gradient())
+
+    def _secondary_gradient(self) -> SecondaryGradient | NoSecondaryGradient:
+        if self.secondary is None:
+            return NO_SECONDARY_GRADIENT
+        return SecondaryGradient(self.secondary.X, self._rhs.secondary_gradient(self.state.x))
 
     def plan(self) -> str:
         """What is active and why, before anything runs."""

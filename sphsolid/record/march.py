@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import math
+import sys
+import warnings
 from collections.abc import Callable, Iterator, Sequence
 
-from sphsolid.errors import require
+from sphsolid.errors import FoldingWarning, require
 from sphsolid.record.history import History, Row, check_columns
 from sphsolid.record.interrupt import Interrupt, held_interrupt
 from sphsolid.record.output import NO_OUTPUT, Output, Sink, Task
+from sphsolid.record.positions import PositionVerdict
 from sphsolid.record.progress import Pace, Progress
 from sphsolid.record.recorders import Recorder, asks_for_balance
 from sphsolid.record.run_options import (
@@ -24,6 +27,9 @@ from sphsolid.record.solver import Solver
 SAME = 1e-9
 #: Column from which a resumed run knows the energy that it began with.
 TOTAL_ENERGY = "total_energy [J]"
+#: Steps between two looks at the positions.
+LOOK_EVERY = 50
+_OURS = ("sphsolid", "fem_reference")
 
 
 def march(
@@ -49,6 +55,10 @@ def march(
     between two steps, or after the record being made.  Raises ``InputError`` for times that are not
     ahead, ``Diverged`` when the solution is lost; the history so far is attached to that exception,
     and to ``KeyboardInterrupt``, as ``history``.
+
+    Positions are judged at the start, at records, at the end and every :data:`LOOK_EVERY` steps
+    (see ``positions``); the first time that they are folded a ``FoldingWarning`` says so, and the
+    run goes on.
     """
     check_times(until, every)
     record = checked_recorders(record)
@@ -92,6 +102,8 @@ class _Run:
         self._solver, self._record, self._output = solver, record, output
         self._rows, self._pace = rows, pace
         self._keeps_rows = bool(record) or output.wants_records
+        self._judged_step = -1
+        self._has_warned = False
 
     def go(self, until: float, every: float | None) -> History:
         solver = self._solver
@@ -102,12 +114,16 @@ class _Run:
             check_columns(list(self._rows[-1]), list(first[1]))
         sink = self._output.open(solver, Task(until, every, self._record), self._rows)
         try:
+            self._judge()
             with held_interrupt() as interrupt:
                 if at_start:
                     self._keep(first, sink, last=False)
                 for target in _targets(solver.time, until, every):
                     self._march_to(target, interrupt)
-                    self._keep(self._look(), sink, last=target == until)
+                    seen = self._look()
+                    if seen is not None or target == until:
+                        self._judge()
+                    self._keep(seen, sink, last=target == until)
                     interrupt.check()
         except BaseException as failure:
             failure.history = History.of(self._rows)  # type: ignore[attr-defined]
@@ -116,6 +132,18 @@ class _Run:
             raise
         sink.close(None)
         return History.of(self._rows)
+
+    def _judge(self) -> None:
+        """Look at the positions, once a step, and warn of the first fold."""
+        solver = self._solver
+        if self._judged_step == solver.step:
+            return
+        self._judged_step = solver.step
+        verdict = solver.positions.look(solver.placement())
+        if verdict.folded and not self._has_warned:
+            self._has_warned = True
+            self._pace.folded(solver.positions.folded_since)
+            _warn(solver, verdict)
 
     def _look(self) -> tuple[Snapshot, Row] | None:
         if not (self._keeps_rows or self._pace.is_told):
@@ -152,7 +180,28 @@ class _Run:
             self._pace.stepped(solver.time, solver.step, dt)
             if steps == 1:
                 return
+            if solver.step % LOOK_EVERY == 0:
+                self._judge()
             interrupt.check()
+
+
+def _warn(solver: Solver, verdict: PositionVerdict) -> None:
+    warnings.warn(
+        f"{solver.name}: the positions have folded, found at t = {solver.time:.4g} s, step "
+        f"{solver.step}: {'; '.join(verdict.reasons)}. The run goes on, but what it gives from here "
+        "on is of no use, however sound its stresses and Jacobians look: compare with the finite "
+        "elements of fem_reference, or take a finer spacing",
+        FoldingWarning,
+        stacklevel=_levels_up(),
+    )
+
+
+def _levels_up() -> int:
+    """Frames from :func:`_warn` to whoever called ``run``: that line is what a warning names."""
+    level, frame = 1, sys._getframe(1)
+    while frame.f_back is not None and frame.f_globals["__name__"].split(".")[0] in _OURS:
+        level, frame = level + 1, frame.f_back
+    return level
 
 
 def _targets(now: float, end: float, every: float | None) -> Iterator[float]:

@@ -24,7 +24,8 @@ class Progress:
     called.  ``steps_per_second`` and ``eta`` [s] leave the first step out, which may have compiled;
     both are nan before the second.  ``start_energy`` and ``energy`` [J], kinetic and strain, are
     those of the first and of the last record.  ``driven`` says that loads or a prescribed motion
-    work on the body: then their difference tells of that work, not of the method.  ``over`` is True
+    work on the body: then their difference tells of that work, not of the method.  ``folded_since``
+    [s] is when the positions were first found folded, nan while they are sound.  ``over`` is True
     in the last report, of a failed run too.
     """
 
@@ -40,6 +41,7 @@ class Progress:
     start_energy: float
     energy: float
     driven: bool = False
+    folded_since: float = math.nan
     over: bool = False
 
     @property
@@ -77,6 +79,7 @@ class Pace:
         self._time, self._step, self._dt = start, 0, 0.0
         self._records = 0
         self._start_energy, self._energy = start_energy, math.nan
+        self._folded_since = math.nan
 
     @property
     def is_told(self) -> bool:
@@ -99,6 +102,10 @@ class Pace:
         self._energy = snapshot.kinetic_energy + snapshot.strain_energy
         if math.isnan(self._start_energy):
             self._start_energy = self._energy
+
+    def folded(self, time: float) -> None:
+        """The positions were found folded at ``time`` [s]."""
+        self._folded_since = time
 
     def recorded(self) -> None:
         """A record is complete."""
@@ -133,6 +140,7 @@ class Pace:
                 start_energy=self._start_energy,
                 energy=self._energy,
                 driven=self._driven,
+                folded_since=self._folded_since,
                 over=over,
             )
         )
@@ -172,6 +180,8 @@ def line(progress: Progress) -> str:
         parts.append(f"{duration(p.wall)} taken" if p.over else f"{duration(p.eta)} left")
     if math.isfinite(p.energy):
         parts.append(_energy(p))
+    if math.isfinite(p.folded_since):
+        parts.append(f"positions folded since t = {p.folded_since:.4g} s")
     return f"{p.percent:5.1f} %  " + ", ".join(parts)
 
 

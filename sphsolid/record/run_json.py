@@ -96,6 +96,7 @@ class RunJson:
             "time_s": self._solver.time,
             "step": self._solver.step,
             "records": records,
+            "positions": self._solver.positions.account(),
             "ended": _now(),
         }
         if isinstance(failure, Diverged):

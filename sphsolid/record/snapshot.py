@@ -12,6 +12,11 @@ from sphsolid.continuum import law
 from sphsolid.errors import InputError
 from sphsolid.geometry.mesh import Mesh
 from sphsolid.record.balance import NOT_TRACKED, Balance, NotTracked
+from sphsolid.record.placement import (
+    NO_SECONDARY_GRADIENT,
+    NoSecondaryGradient,
+    SecondaryGradient,
+)
 
 Array = NDArray[np.float64]
 
@@ -39,8 +44,8 @@ class Snapshot:
     element method (its superconvergent points).  ``strain_energy`` [J], zero in the undeformed
     state, and ``kinetic_energy`` [J] are totals with the method's own quadrature;
     ``volumetric_energy`` [J] is the part ``sum V U(J)`` of the strain energy, ``U`` the volumetric
-    energy of the law.
-    ``balance`` says where energy and momentum went, when a recorder asked for it.
+    energy of the law.  ``balance`` says where energy and momentum went, when a recorder asked for
+    it; ``secondary`` is the gradient of ``x`` at the secondary particles, where there are any.
     """
 
     time: float
@@ -58,6 +63,7 @@ class Snapshot:
     P: Array
     strain_energy: float
     balance: Balance | NotTracked = NOT_TRACKED
+    secondary: SecondaryGradient | NoSecondaryGradient = NO_SECONDARY_GRADIENT
 
     @property
     def density(self) -> float:

@@ -7,6 +7,8 @@ from typing import Any, Protocol
 
 from numpy.typing import NDArray
 
+from sphsolid.record.placement import Placement
+from sphsolid.record.positions import PositionWatch
 from sphsolid.record.samples import Samples
 from sphsolid.record.snapshot import Snapshot
 from sphsolid.scenes.scene import Scene
@@ -18,6 +20,7 @@ class Solver(Protocol):
     scene: Scene
     time: float
     step: int
+    positions: PositionWatch
 
     @property
     def name(self) -> str:
@@ -34,6 +37,10 @@ class Solver(Protocol):
         ``dt`` may be shorter than the stable step for a record's sake, so no coefficient of the
         method may depend on it: see ``scheme.intrinsic_time``.
         """
+        ...
+
+    def placement(self) -> Placement:
+        """Where the body is now; cheaper than a snapshot."""
         ...
 
     def snapshot(self) -> Snapshot:

@@ -138,6 +138,14 @@ class RightHandSide:
         """The same with the gradient whose adjoint makes the force."""
         self._gradient(self.cloud.force, f, factor, out)
 
+    def secondary_gradient(self, f: Array) -> Array:
+        """``sum_a f_a (x) G_a(X_q) (M, 3, 3)`` at the secondary particles, of which there are."""
+        q = self.secondary
+        assert q is not None
+        out = tensor_field(len(q.X), particle_major=self.cloud.particle_major)
+        self._gradient(q.sampling, f, 1.0, out)
+        return out
+
     def _gradient(self, G: PairOperator, f: Array, factor: float, out: Array) -> None:
         result = as_field(out)
         galerkin.gradient(

@@ -16,6 +16,7 @@ from sphsolid.scenes import Scene
 from sphsolid.scenes.scene import ExactSolution
 from studies.clouds.choice import Cloud, Instance, cloud_of, label_of
 from studies.convergence.cases import FORMULATIONS, cube_scene, instants_of
+from studies.report.folding import folding
 
 #: Variant of rows whose stress was recovered from the particles' around.
 RECOVERED = "recovered stress"
@@ -121,6 +122,11 @@ def cube(
             snapshots = list(instants_of(sim))
         except Diverged as failure:
             rows.append(setting | {"kind": "lost", "why": failure.reason, "steps": sim.step})
+            continue
+        if folding(sim)["folded"]:
+            since = folding(sim)["folded_at"]
+            why = f"positions folded by {since:.3g} s"
+            rows.append(setting | {"kind": "lost", "why": why, "steps": sim.step})
             continue
         run_s = time.perf_counter() - started
         errors = errors_of(snapshots, sim.scene.known_solution(), instance.h)

@@ -272,7 +272,7 @@ def report(results: Results) -> Document:
             *(_cube_sections(results, levels) if len(levels) else []),
             *_other_sections(results),
             _set_up(results),
-            *([Section("Lost", [Table("Runs that diverged.", lost)])] if len(lost) else []),
+            *([Section("Lost", [Table("Diverged or folded.", lost)])] if len(lost) else []),
             what_was_run(results.run),
             what_failed(results.failures),
         ],

@@ -13,7 +13,7 @@ from sphsolid.continuum import reference_p_wave_speed
 from sphsolid.errors import Diverged, InputError
 from sphsolid.geometry import Blocks, MeshFile
 from sphsolid.geometry.body import AS_MESHED, Body
-from sphsolid.record import MomentumDrift
+from sphsolid.record import MomentumDrift, judge_positions
 from sphsolid.scenes import Scene
 from studies.clouds.cases import about_the_set_up, operator_of
 from studies.clouds.choice import Instance, cloud_of
@@ -97,7 +97,11 @@ def conservation(
             sim.advance(sim.stable_time_step())
     except Diverged as failure:
         return [row | {"outcome": "lost", "why": failure.reason, "steps": sim.step}]
-    drift = MomentumDrift().record(sim.snapshot(), scene)
+    end = sim.snapshot()
+    positions = judge_positions(end)
+    if positions.folded:
+        return [row | {"outcome": "folded", "why": str(positions), "steps": sim.step}]
+    drift = MomentumDrift().record(end, scene)
     return [
         row
         | {

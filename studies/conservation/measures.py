@@ -20,6 +20,7 @@ from sphsolid.scenes import Scene
 from sphsolid.scheme.stabilisation import Stabilisation, Weighting
 from studies.convergence.cases import FORMULATIONS, OPERATORS, PROJECTIONS, SECONDARY, TIMES
 from studies.harness.cases import Row
+from studies.report.folding import folding
 
 Array = NDArray[np.float64]
 #: Share of the energy beyond which the time integrator, not the method, decides a run.
@@ -119,9 +120,9 @@ def march(
 def outcome(sim: Any, failure: Diverged | None, rest: float, started: float) -> Row:
     """How a run ended.
 
-    ``outcome``: ``lost``; by ``rest``, the share of the energy that is left over at the end
-    (:func:`left_over`), beyond :data:`MADE_BY_TIME`: ``energy made``, or ``ledger open`` if it is
-    missing; else ``kept``.
+    ``outcome``: ``lost``; ``folded``, the positions, at any time; by ``rest``, the share of the
+    energy that is left over at the end (:func:`left_over`), beyond :data:`MADE_BY_TIME`: ``energy
+    made``, or ``ledger open`` if it is missing; else ``kept``.
     """
     row: Row = {
         "particles": len(sim.snapshot().X),
@@ -130,10 +131,14 @@ def outcome(sim: Any, failure: Diverged | None, rest: float, started: float) -> 
         "outcome": "kept",
         "lost_at": math.nan,
         "why": "",
+        **folding(sim),
         "wall_s": time.perf_counter() - started,
     }
     if abs(rest) > MADE_BY_TIME:
         row["outcome"] = "energy made" if rest > 0.0 else "ledger open"
+    if row["folded"]:
+        row["outcome"] = "folded"
+        row["why"] = f"positions folded by {row['folded_at']:.3g} s"
     if failure is not None:
         X = ", ".join(f"{value:.3g}" for value in failure.position)
         row["outcome"] = "lost"

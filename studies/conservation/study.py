@@ -24,7 +24,7 @@ _SETTING = [
     "group", "method", "formulation", "secondary", "operator", "weighting", "projection",
     "integrator", "spacing", "particles", "h_over_dx", "cfl", "tau_F", "tau_unit", "xi_F", "tau_p",
 ]  # fmt: skip
-_OUTCOME = ["steps", "survived", "outcome", "lost_at", "why", "wall_s"]
+_OUTCOME = ["steps", "survived", "folded", "folded_at", "outcome", "lost_at", "why", "wall_s"]
 COLUMNS = {
     "table": [
         *_SETTING, "jitter", "load", "until", *_OUTCOME, "linear", "linear_step", "angular_free",

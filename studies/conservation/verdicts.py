@@ -14,6 +14,7 @@ import pandas as pd
 
 from studies.conservation.measures import DEFAULTS
 from studies.convergence.figures import select
+from studies.report.folding import sound
 from studies.report.order import fit_order
 
 #: Shares of the natural scales ``sum V |p|``, ``sum V |x| |p|`` below which a sum is round-off.
@@ -99,6 +100,8 @@ def pressure_verdicts(table: pd.DataFrame) -> Iterator[Verdict]:
         elements = select(table, group="elements", spacing=run["spacing"])
         if len(elements):
             ratio = float(run["noise"]) / float(elements["noise"].iloc[0])
+            # The pressure of folded positions is that of no body, however smooth.
+            ratio = ratio if bool(sound(run.to_frame().T).all()) else math.inf
             word = "in part" if ratio <= PARTLY_SMOOTH else "not reproduced"
             yield Verdict(
                 f"pressure is smooth: {_kind(run)}, noise over that of B-bar", "paper",
@@ -196,13 +199,16 @@ def _each_below(
     *,
     healthy: bool = True,
 ) -> Iterator[Verdict]:
-    """Every run at most ``wanted``: reproduced; some: in part.  A lost run has not shown it."""
+    """Every run at most ``wanted``: reproduced; some: in part.
+
+    A run that was lost, or whose positions folded, has not shown it.
+    """
     if len(runs) == 0:
         return
     values = runs[column].astype(float)
     good = values <= wanted
     if healthy:
-        good &= runs["survived"].astype(bool)
+        good &= sound(runs)
     word = "reproduced" if good.all() else "in part" if good.any() else "not reproduced"
     worst = runs.loc[values.fillna(math.inf).idxmax()]
     yield Verdict(claim, source, _name(worst), float(worst[column]), wanted, word)

@@ -26,6 +26,9 @@ _TEXT = 9.0
 #: Height [inch] of a line of text.
 _LINE = 0.165
 _PAD = 0.1
+#: What a panel says whose positions are judged folded, and the plate it stands on.
+FOLDED = "folded"
+_PLATE = {"facecolor": "white", "edgecolor": "0.3", "linewidth": 0.5, "boxstyle": "round,pad=0.25"}
 
 
 @dataclass(frozen=True)
@@ -131,6 +134,10 @@ class Sheet:
         axes.set_aspect("equal", adjustable="box")
         if isinstance(frame, Shot):
             self.drawing.draw(axes, frame, self.view, self._scale, self.colours.field)
+            if frame.folded:
+                # Whatever the colours say: they are of a body that is none any more.
+                axes.text(0.5, 0.5, FOLDED, transform=axes.transAxes, ha="center", va="center",
+                          size=8.0, weight="bold", bbox=_PLATE)  # fmt: skip
             return
         axes.text(
             0.5,

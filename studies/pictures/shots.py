@@ -22,6 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sphsolid.errors import Diverged, InputError, require
+from sphsolid.record import judge_positions
 from sphsolid.record.snapshot import Snapshot
 from sphsolid.scenes.scene import Scene
 from studies.report.places import cell_means_at_vertices
@@ -41,7 +42,8 @@ class Shot:
     ``quads (f, 4)`` int32, counter-clockwise seen from outside; ``x (N, 3)`` float32 [m] all
     primary points; ``V (N,)`` float32 [m^3] their volumes; ``values``: ``pressure`` [Pa],
     ``von_mises`` [Pa], ``J`` [-], and with :data:`CELL` before the name the same as means over
-    cells, each ``(N,)`` float32; ``spacing`` [m] of the undeformed points.
+    cells, each ``(N,)`` float32; ``spacing`` [m] of the undeformed points; ``folded``: whether its
+    positions are judged folded (``record.positions``).
     """
 
     label: str
@@ -51,6 +53,7 @@ class Shot:
     V: NDArray[np.float32]
     values: dict[str, NDArray[np.float32]]
     spacing: float
+    folded: bool
 
     def value(self, name: str) -> NDArray[np.float32]:
         """A field at the vertices; raises ``InputError`` for one that was not kept."""
@@ -93,6 +96,7 @@ def take_shot(snapshot: Snapshot, label: str) -> Shot:
         V=snapshot.V.astype(np.float32),
         values={name: field.astype(np.float32) for name, field in values.items()},
         spacing=float(snapshot.mesh.spacing),
+        folded=judge_positions(snapshot).folded,
     )
 
 
@@ -105,6 +109,7 @@ def save_shot(path: Path, shot: Shot) -> Path:
         label=np.str_(shot.label),
         time=np.float64(shot.time),
         spacing=np.float64(shot.spacing),
+        folded=np.bool_(shot.folded),
         quads=shot.quads,
         x=shot.x,
         V=shot.V,
@@ -129,6 +134,7 @@ def load_shot(path: Path) -> Shot:
                 label=str(data["label"]),
                 time=float(data["time"]),
                 spacing=float(data["spacing"]),
+                folded=bool(data["folded"]),
                 quads=data["quads"],
                 x=data["x"],
                 V=data["V"],

@@ -18,6 +18,7 @@ from sphsolid.geometry.cell_shape import HEXAHEDRON
 from sphsolid.scenes import plate_with_hole
 from studies.pictures.face import save_face
 from studies.plate_with_hole.recovery import at_cells, fitted, hoop
+from studies.report.folding import folding
 
 Array = NDArray[np.float64]
 Row = dict[str, Any]
@@ -109,6 +110,7 @@ def pull(
             "setup_s": ready - started,
             "wall_s": time.perf_counter() - ready,
             "kinetic_share": last.kinetic_energy / last.strain_energy,
+            **folding(sim),
             "unrest": (max(peaks) - min(peaks)) / float(np.mean(peaks)),
         },
     )

@@ -20,6 +20,7 @@ from studies.plate_with_hole.cases import FEM, HALF_WIDTH, RADIUS, SPH
 from studies.plate_with_hole.plane import plane_stress_over_pull
 from studies.plate_with_hole.report import report
 from studies.plate_with_hole.verdicts import verdicts
+from studies.report import folding
 
 #: Method, operator and mesh of the runs; the operator of an element method is "-".
 RUNS = (
@@ -34,7 +35,7 @@ PLANE_CELLS = 48
 _VALUES = [
     "key", "method", "operator", "mesh", "thickness", "particles", "edge_particles",
     "edge_spread", "edge_fit", "highest_particles", "highest_fit", "unrest", "kinetic_share",
-    "steps", "setup_s", "wall_s",
+    *folding.COLUMNS, "steps", "setup_s", "wall_s",
 ]  # fmt: skip
 
 

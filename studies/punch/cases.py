@@ -20,6 +20,7 @@ from sphsolid.scheme.stabilisation import Stabilisation
 from studies.convergence.cases import FORMULATIONS, OPERATORS, SECONDARY, TIMES
 from studies.pictures.shots import SaveShots, ShotFolder
 from studies.punch.methods import FEM, METHODS, Method
+from studies.report.folding import folding
 from studies.report.indicators import pressure_noise, pressure_range
 
 #: The instant [s] at which the paper compares methods (Fig. 11).
@@ -166,7 +167,7 @@ def run_case(
     run |= {
         "steps": sim.step, "wall_s": time.perf_counter() - started,
         "cpu_s": time.process_time() - busy,
-    }  # fmt: skip
+    } | folding(sim)  # fmt: skip
     instants = [row for table in tables for row in table.to_dict("records")]
     return [
         row | {"key": key}

@@ -24,6 +24,7 @@ from studies.punch.pictures import (
 )
 from studies.punch.verdicts import verdict_table
 from studies.report.document import Block, Bullets, Document, Figure, Paragraph, Section, Table
+from studies.report.folding import has_folded
 from studies.report.standard_sections import subtitle, what_failed, what_was_run
 
 _FORMATS = {
@@ -95,6 +96,15 @@ def _lost_table(table: pd.DataFrame) -> list[Block]:
     return [Table("Runs that were lost: when, where (undeformed) and why.", lost[columns])]
 
 
+def _folded_table(table: pd.DataFrame) -> list[Block]:
+    folded = table[has_folded(table)]
+    if len(folded) == 0:
+        return [Paragraph(f"The positions of none of the {len(table)} runs folded.")]
+    columns = ["press", "method", "operator", "lattice", "folded_at"]
+    caption = "Runs whose positions folded, and from when [s]: what they give later is of no use."
+    return [Table(caption, folded[columns], formats={"folded_at": ".4f"})]
+
+
 def _picture(made: Path | Nothing, caption: str) -> list[Block]:
     return [] if isinstance(made, Nothing) else [Figure(caption, made)]
 
@@ -117,7 +127,9 @@ def report(results: Results) -> Document:
             "one stand beside B-bar finite elements on the same lattices and finer ones."
         ),
         sections=[
-            Section("The verdict", [verdict_table(results.tables), *_lost_table(table)]),
+            Section("The verdict", [
+                verdict_table(results.tables), *_lost_table(table), *_folded_table(table),
+            ]),
             Section("What is run", _what_is_run()),
             Section("Pressure", [*_pressure(results, lattice), _noise(noise)]),
             Section(

@@ -150,7 +150,7 @@ def warm_up(options: argparse.Namespace) -> list[Case]:
 def summary(tables: Tables) -> str:
     """Printed at the end."""
     columns = [
-        "press", "method", "operator", "lattice", "survived", "top_low", "top_high",
+        "press", "method", "operator", "lattice", "survived", "folded", "top_low", "top_high",
         "profile_same", "noise_mean", "energy_kept", "steps", "cpu_s",
     ]  # fmt: skip
     return tables["table"][columns].to_string(

@@ -12,11 +12,12 @@ from studies.harness.cases import Row
 from studies.harness.results import Tables
 from studies.punch.cases import COMPARED, EVERY
 from studies.punch.methods import FEM
+from studies.report import folding
 
 SETTING = ["press", "method", "operator", "lattice"]
 RUN = [
     "key", *SETTING, "cells", "particles", "h_over_dx", "integrator", "until", "survived",
-    "lost_at", "lost_where", "reason", "steps", "cpu_s", "wall_s",
+    "lost_at", "lost_where", "reason", *folding.COLUMNS, "steps", "cpu_s", "wall_s",
 ]  # fmt: skip
 #: What the history says of a run, see :func:`measures`.
 MEASURED = [

@@ -10,6 +10,7 @@ import pandas as pd
 
 from studies.convergence.figures import select
 from studies.harness.results import Tables
+from studies.punch.cases import COMPARED
 from studies.punch.figures import INDEPENDENT
 from studies.punch.methods import (
     DISPLACEMENT,
@@ -25,6 +26,7 @@ from studies.punch.methods import (
 )
 from studies.punch.pictures import READINGS, one_run
 from studies.report.document import Table
+from studies.report.folding import has_folded, sound
 
 REPRODUCED, PARTLY, NOT = "reproduced", "reproduced in part", "not reproduced"
 MET, NOT_MET = "met", "not met"
@@ -59,6 +61,11 @@ def _value(table: pd.DataFrame, column: str, press: str, method: str, operator: 
            level: int = 0) -> float:  # fmt: skip
     run = one_run(table, press, method, operator, level)
     return float(run[column].iloc[0]) if len(run) else math.nan
+
+
+def _is_sound(run: pd.DataFrame) -> bool:
+    """Whether the positions of a run had not folded when methods are compared."""
+    return not bool(has_folded(run, by=COMPARED).any())
 
 
 def _noise(table: pd.DataFrame, method: str, press: str = "initial",
@@ -98,7 +105,8 @@ def _pressure(table: pd.DataFrame) -> Iterator[Verdict]:
     yield Verdict(
         "with tau_p = 0.1 dt and tau_F = 0.5 dt the pressure is smooth (Fig. 10d)",
         f"noise {with_it:.3f} initial, {_noise(table, H6, 'held'):.3f} held (steep at the edge)",
-        f"initial at most {SMOOTH:g}", of_parts(with_it <= SMOOTH),
+        f"initial at most {SMOOTH:g}",
+        of_parts(with_it <= SMOOTH and _is_sound(one_run(table, "initial", H6))),
     )  # fmt: skip
     pairs = [
         ("tau_F 0.5 dt", without, with_it),
@@ -131,7 +139,7 @@ def _h1_and_h6(table: pd.DataFrame) -> Verdict:
         )
         holds.append(
             height <= TOLERANCE and share <= PRESSURE_SHARE
-            and 1.0 / NOISE_RATIO <= noise <= NOISE_RATIO
+            and 1.0 / NOISE_RATIO <= noise <= NOISE_RATIO and all(map(_is_sound, pair))
         )  # fmt: skip
     return Verdict(
         "H1 and H6 agree very well in pressure and deformation (Fig. 11c, d)",
@@ -167,12 +175,13 @@ def _distortion(table: pd.DataFrame) -> Verdict:
     return Verdict(
         "extremely large distortions run with H1 where mesh-based methods are not suitable "
         "(Fig. 12; held)",
-        f"to {1e3 * end:g} ms H1 runs in {particles['survived'].sum()} of {len(particles)} cases, "
+        f"to {1e3 * end:g} ms H1 runs in {sound(particles).sum()} of {len(particles)} cases "
+        f"without folding ({particles['survived'].sum()} to the end), "
         f"B-bar in {elements['survived'].sum()} of {len(elements)}"
         + (f" ({fails})" if fails else ""),
         "H1 runs, B-bar is lost",
         of_parts(
-            len(particles) > 0 and bool(particles["survived"].all()),
+            len(particles) > 0 and bool(sound(particles).all()),
             len(elements) > 0 and len(lost) == len(elements),
         ),
     )
@@ -220,6 +229,8 @@ def _independent(press: str) -> pd.DataFrame:
 
 
 def _apart(run: pd.DataFrame, reference: pd.DataFrame) -> float:
+    if not _is_sound(run):
+        return math.inf
     return max(
         abs(float(run[name].iloc[0]) - float(reference[name].iloc[0]))
         for name in ("top_low", "top_high")

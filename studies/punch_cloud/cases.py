@@ -19,6 +19,7 @@ from sphsolid.scenes.punch import HEIGHT
 from sphsolid.scheme.stabilisation import SUPG
 from studies.pictures.face import save_face
 from studies.punch_cloud.bodies import body_of
+from studies.report.folding import folding
 from studies.report.indicators import pressure_noise, pressure_range
 from studies.report.scattered_noise import scattered_noise
 
@@ -93,7 +94,7 @@ def run_case(
         "setup_s": sim.setup_seconds,
         "wall_s": time.perf_counter() - started,
     }
-    return [common | row for row in (run | lost, *instants)]
+    return [common | row for row in (run | lost | folding(sim), *instants)]
 
 
 def missed_momentum(shot: Snapshot) -> float:

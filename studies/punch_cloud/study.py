@@ -20,6 +20,7 @@ from studies.punch_cloud.bodies import HEXAHEDRA, WIDEST
 from studies.punch_cloud.cases import DEFAULT, NO_TAU_P, NONE, TETRAHEDRA
 from studies.punch_cloud.report import report
 from studies.punch_cloud.verdicts import verdicts
+from studies.report import folding
 
 #: Seeds of the disorder.
 SEEDS = (1, 2, 3)
@@ -39,7 +40,7 @@ RUNS = (
 _RUN = [
     "key", "cloud", "stabilisation", "cells", "seed", "method", "particles", "secondary", "noise",
     "noise_in_rows", "p_low", "p_high", "top_low", "top_high", "missed_momentum", "survived",
-    "lost_at", "reason", "steps", "setup_s", "wall_s",
+    "lost_at", "reason", *folding.COLUMNS, "steps", "setup_s", "wall_s",
 ]  # fmt: skip
 
 
@@ -107,6 +108,7 @@ def tables(rows: list[Row]) -> Tables:
         secondary=("secondary", "mean"),
         seeds=("seed", "count"),
         survived=("survived", "sum"),
+        folded=("folded", "sum"),
         noise=("noise", "mean"),
         noise_in_rows=("noise_in_rows", "mean"),
         against_H1=("against_H1", "mean"),

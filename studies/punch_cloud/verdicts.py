@@ -9,6 +9,7 @@ import pandas as pd
 from studies.harness.results import Tables
 from studies.punch_cloud.bodies import HEXAHEDRA
 from studies.punch_cloud.cases import DEFAULT, NONE
+from studies.report.folding import has_folded
 
 #: How much noisier than H1 on the same points a cloud may be.
 TOLERANCE = 0.2
@@ -33,6 +34,7 @@ def verdicts(tables: Tables) -> pd.DataFrame:
                 rows.append((f"{cloud}: the same, worst seed", cells, worst, TOLERANCE))
             alive = float((~mine["survived"].astype(bool)).sum())
             rows.append((f"{cloud}: runs lost", cells, alive, 0.0))
+            rows.append((f"{cloud}: runs folded", cells, float(has_folded(mine).sum()), 0.0))
         bare, smooth = _noise(found, "points", NONE), _noise(found, "points", DEFAULT)
         if not math.isnan(bare + smooth):
             rows.append(

@@ -16,13 +16,14 @@ import fem_reference as fem
 import sphsolid as sph
 from sphsolid.defaults import default_cfl, default_integrator, default_stabilisation
 from sphsolid.errors import Diverged
-from sphsolid.record import EnergyLedger, MomentumDrift, Reactions, Snapshot
+from sphsolid.record import EnergyLedger, MomentumDrift, Positions, Reactions, Snapshot
 from sphsolid.record.recorders import Recorder
 from sphsolid.scenes import twisting_column
 from sphsolid.scenes.scene import Scene
 from sphsolid.scheme.stabilisation import Stabilisation
 from studies.convergence.cases import FORMULATIONS, OPERATORS, SECONDARY, TIMES
 from studies.pictures.shots import SaveShots, ShotFolder
+from studies.report.folding import folding
 from studies.report.indicators import pressure_noise, twist_of_top, whole_turns
 from studies.report.percentiles import weighted_percentile
 from studies.report.places import in_cells
@@ -98,7 +99,7 @@ def top_corners(X: Array) -> NDArray[np.bool_]:
     return np.asarray(corner & (X[:, 1] > X[:, 1].max() - 1e-9))
 
 
-RECORD = (ColumnState(), EnergyLedger(), MomentumDrift(), Reactions())
+RECORD = (ColumnState(), Positions(), EnergyLedger(), MomentumDrift(), Reactions())
 
 
 def simulation(
@@ -188,7 +189,7 @@ def run_case(
         "h_over_dx": getattr(sim, "h_over_dx", float("nan")), "particles": len(end.X),
         "steps": sim.step, "wall_s": wall, "cpu_s": busy, "end_time": sim.time,
         "survived": not reason, "reason": reason,
-    }  # fmt: skip
+    } | folding(sim)  # fmt: skip
     grid = fields_on_grid(end, cells)
     if average and not reason:
         grid |= mean_pressure(sim, until + average, cells)

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from studies.convergence.figures import select
 from studies.report.extrapolate import LEVELS, Limit, extrapolate, sign_changes
+from studies.report.folding import sound
 from studies.twisting_column import outside
 from studies.twisting_column.methods import lattice
 
@@ -74,9 +75,9 @@ class TooFew:
 
 
 def twist_sequence(runs: pd.DataFrame, label: str, ms: int = 100) -> TwistSequence | TooFew:
-    """The lattices of a method whose runs lasted; ``runs`` at the usual step."""
+    """The lattices of a method whose runs lasted and did not fold; ``runs`` at the usual step."""
     own = select(runs, label=label).sort_values("cells")
-    own = own[own["survived"].astype(bool)]
+    own = own[sound(own)]
     twist = own[f"twist_{ms}"].to_numpy(dtype=float)
     if len(own) < LEVELS:
         return TooFew()

@@ -169,7 +169,7 @@ def tables(rows: list[Row]) -> Tables:
 def summary(tables: Tables) -> str:
     """The table printed at the end, and the figures that README quotes."""
     shown = [
-        "label", "cells", "cfl", "nu", "steps", "survived", "twist_100", "height_100",
+        "label", "cells", "cfl", "nu", "steps", "survived", "folded", "twist_100", "height_100",
         "energy_kept", "rest_largest", "noise_free_mean", "cpu_s",
     ]  # fmt: skip
     frame = tables["table"].reindex(columns=shown)

@@ -15,6 +15,7 @@ import pandas as pd
 from studies.convergence.figures import select
 from studies.harness.cases import ROOT
 from studies.harness.results import Tables, read_results
+from studies.report import folding
 from studies.twisting_column import outside
 from studies.twisting_column.cases import CLAMP
 from studies.twisting_column.compare import centres, kink, percentiles_of_cells
@@ -29,6 +30,7 @@ SETTING = [
     "method", "formulation", "secondary", "operator", "weighting", "integrator", "tau_F",
     "tau_unit", "xi_F", "tau_p", "h_over_dx", "particles", "steps", "cpu_s", "wall_s", "survived",
     "end_time", "reason",
+    *folding.COLUMNS,
 ]  # fmt: skip
 #: Instants [ms] whose twist, height and noise are columns.
 INSTANTS = (20, 40, 60, 80, 100)
@@ -50,7 +52,7 @@ COLUMNS = [
     "rest", "rest_largest",
     *_STATE, "peaks_at_clamp", *(f"noise_{ms}" for ms in INSTANTS),
     *(f"noise_free_{ms}" for ms in INSTANTS), "noise_free_mean",
-    "J_min", "J_max", "reaction_y_largest", "reaction_y_end",
+    "J_min", "J_max", "unseen_rms", "inside_out_share", "reaction_y_largest", "reaction_y_end",
     "torque_largest", "linear_drift", "angular_drift", "position_rms", "pressure_rms",
     "kink", "ringing", "mean_rms", *(f"pressure_mean_{s}" for s in (1, 50, 99)),
     *(f"reference_mean_{s}" for s in (1, 50, 99)),
@@ -101,6 +103,8 @@ def _of_history(history: pd.DataFrame) -> Row:
         "peaks_at_clamp": end["peaks_at_clamp"],
         "J_min": history["J_min"].min(),
         "J_max": history["J_max"].max(),
+        "unseen_rms": folding.largest(history, "unseen_rms [-]"),
+        "inside_out_share": folding.largest(history, "inside_out_share [-]"),
         "reaction_y_largest": history["reaction_Y-_y [N]"].abs().max(),
         "reaction_y_end": end["reaction_Y-_y [N]"],
         "torque_largest": np.abs(clamp_torque(history)).max(),
@@ -151,6 +155,7 @@ def quoted(tables: Tables) -> str:
                 lines.append(
                     f"{label}, {lattice(int(run['cells']))}: {100 * twist_error(run):.2f} %, "
                     f"{100 * run['energy_kept']:.1f} %, {run['steps']} steps"
+                    + (", folded" if run["folded"] else "")
                 )
     return "\n".join(lines)
 

@@ -12,6 +12,7 @@ from studies.pictures.shots import KEPT, Shot
 def box_shot(
     lower=(0.0, 0.0, 0.0), upper=(1.0, 1.0, 1.0), *, spacing=0.25, move=lambda X: X,
     field=lambda x: x[:, 0], label="a method", time=0.0,
+    folded=False,
 ):  # fmt: skip
     """A moved box; every kept field is ``field`` of the present positions."""
     mesh = Box(lower, upper).mesh(spacing)
@@ -25,6 +26,7 @@ def box_shot(
         values={name: values.copy() for name in KEPT},
         V=vertex_volumes(mesh).astype(np.float32),
         spacing=mesh.spacing,
+        folded=folded,
     )
 
 

@@ -12,8 +12,8 @@ import pytest
 
 import fem_reference as fem
 import sphsolid as sph
-from sphsolid.continuum import register_law
 from sphsolid.continuum import check_law as exported
+from sphsolid.continuum import register_law
 from sphsolid.continuum.tensor import axpy, contract, scale
 from sphsolid.errors import InputError
 from sphsolid.scenes import twisting_column

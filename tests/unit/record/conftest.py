@@ -9,7 +9,7 @@ from sphsolid.continuum import NeoHookean
 from sphsolid.errors import Diverged
 from sphsolid.geometry.cell_shape import CORNERS
 from sphsolid.geometry.mesh import HexMesh
-from sphsolid.record import Snapshot
+from sphsolid.record import Placement, PositionWatch, Snapshot
 from sphsolid.scenes import swinging_cube
 
 NO_MESH = HexMesh(np.zeros((0, 3)), np.zeros((0, 8), dtype=np.int64), {}, 1.0, True)
@@ -48,6 +48,7 @@ class FakeSolver:
         self.scene = swinging_cube() if scene is None else scene
         self.time = 0.0
         self.step = 0
+        self.positions = PositionWatch()
         self.steps = []
         self.name = "fake"
         self.x = CUBE.vertices.copy()
@@ -68,6 +69,9 @@ class FakeSolver:
         self.x += dt * self.time
         self.time += dt
         self.step += 1
+
+    def placement(self) -> Placement:
+        return Placement(self.time, CUBE, self.x)
 
     def snapshot(self) -> Snapshot:
         velocity = np.full((8, 3), self.time)

@@ -33,7 +33,7 @@ from studies.harness.front import main
 
 NOTHING = pd.DataFrame(columns=conservation.COLUMNS["cube"])
 GOOD = {
-    "survived": True, "outcome": "kept", "linear": 1e-15, "angular_free": 1e-15,
+    "survived": True, "folded": False, "outcome": "kept", "linear": 1e-15, "angular_free": 1e-15,
     "impulse_gap": 1e-16, "noise": 0.2, "load": 1.0, "L_x": 0.0, "L_y": 0.0, "L_z": 0.0,
 }  # fmt: skip
 
@@ -46,7 +46,8 @@ def runs(*rows: dict[str, Any]) -> pd.DataFrame:
 
 def cubes(*rows: dict[str, Any]) -> pd.DataFrame:
     good = {
-        "group": "ladder", "survived": True, "outcome": "kept", "spin": 105.0, "rest": 1e-7,
+        "group": "ladder", "survived": True, "folded": False, "outcome": "kept", "spin": 105.0,
+        "rest": 1e-7,
         "left_over": 1e-7,
         "angular_total": 1e-15, "linear_total": 1e-15,
     }  # fmt: skip
@@ -86,6 +87,17 @@ def test_a_lost_run_has_shown_nothing() -> None:
     assert verdict["linear momentum is zero to round-off"][0] == "in part"
     assert verdict["runs to 20 s, every combination (share)"] == ("in part", 0.5)
     assert said(runs(lost))["runs to 20 s, every combination (share)"][0] == "not reproduced"
+
+
+def test_a_run_that_folded_has_shown_nothing() -> None:
+    """Momentum is that of the body it was, energy may be kept, and it is no body any more."""
+    verdict = said(runs({}, {"folded": True, "folded_at": 3.0, "outcome": "folded"}))
+    assert verdict["linear momentum is zero to round-off"][0] == "in part"
+    assert verdict["runs to 20 s, every combination (share)"] == ("in part", 0.5)
+    smooth = ELEMENTS | {"group": "elements", "noise": 0.2, "spacing": PAPER["spacing"]}
+    both = runs(smooth, {"folded": True, "outcome": "folded"})
+    claim = next(text for text in said(both) if text.startswith("pressure is smooth"))
+    assert said(both)[claim] == ("not reproduced", float("inf"))
 
 
 def test_a_run_that_made_energy_did_not_survive_in_earnest() -> None:

@@ -11,14 +11,18 @@ from studies.known_answers.cases import run_bending, run_cable
 from studies.known_answers.study import STUDY, tables, verdicts
 
 
-def rows(order, peak):
-    """A cable that converges with ``order`` in every field, a column that peaks at ``peak``."""
+def rows(order, peak, folded=""):
+    """A cable that converges with ``order`` in every field, a column that peaks at ``peak``.
+
+    ``folded`` names the load of a cable, or the column, whose positions folded.
+    """
     made = [
         {"scene": "cable", "load": load, "method": "m", "field": field, "h": h,
-         "error": h**order, "wall_stress": 0.0, "wall_s": 1.0}
+         "error": h**order, "wall_stress": 0.0, "wall_s": 1.0, "folded": load == folded}
         for load in ("pulse", "step") for field in ("p", "P", "u") for h in (0.5, 0.25)
     ]  # fmt: skip
     column = {"scene": "bending column", "method": "m", "time": 0.45, "wall_s": 1.0}
+    column |= {"folded": folded == "column"}
     return [*made, column | {"h": 0.25, "peak": 2.0}, column | {"h": 0.125, "peak": peak}]
 
 
@@ -32,6 +36,14 @@ def test_verdicts(order, peak, met):
     asked = found[found["asked"].notna()]
     assert asked["met"].tolist() == met
     assert asked["measured"].iloc[0] == pytest.approx(order)
+
+
+@pytest.mark.parametrize("folded", ["pulse", "step", "column"])
+def test_nothing_is_met_by_a_run_that_folded(folded):
+    found = verdicts(tables(rows(2.0, 2.99, folded)))
+    met = found[found["asked"].notna()].set_index("what")["met"]
+    for what in met.index:
+        assert met[what] == ("not met" if folded in what else "met"), what
 
 
 def test_every_case_is_one_of_its_own():

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -10,7 +11,7 @@ import pytest
 from sphsolid.errors import InputError
 from studies.pictures.colours import limits
 from studies.pictures.headings import headings, time_stamp
-from studies.pictures.panels import Layout, by_label_and_time, panel_figure, turned
+from studies.pictures.panels import SIDE, Layout, Sheet, by_label_and_time, panel_figure, turned
 from studies.pictures.shots import Absent, Lost
 from studies.pictures.surface import Particles, Surface
 from studies.pictures.view import Around, flat_view
@@ -80,6 +81,20 @@ def test_nothing_overlaps_and_nothing_is_cut_off(name):
         assert box.y0 >= 0.0, what
         assert box.x1 <= width, what
         assert box.y1 <= height, what
+
+
+def test_a_panel_says_that_its_positions_are_folded():
+    sound, folded = column("a", 0.0), replace(column("a", 0.1), folded=True)
+    figure = drawn([[sound, folded]])
+    said = [[text.get_text() for text in axes.texts] for axes in figure.axes[:2]]
+    assert said == [[], ["folded"]]
+    # And no longer, when the next frame of an animation is sound.
+    both = Layout(dpi=60)
+    sheet = Sheet([[folded]], colours=limits([folded]), view=SIDE, layout=both, drawing=COARSE,
+                  window=Around().of([folded.x], SIDE))  # fmt: skip
+    for frame, words in ((folded, ["folded"]), (sound, [])):
+        sheet.show([[frame]])
+        assert [text.get_text() for text in sheet.figure.axes[0].texts] == words
 
 
 @pytest.mark.parametrize("name", GRIDS)

@@ -45,9 +45,13 @@ def test_the_plane_reference_converges_and_meets_kirsch_for_a_small_hole():
     assert wide == pytest.approx(3.0, rel=0.02)
 
 
-@pytest.mark.parametrize(("off", "met"), [(0.02, "met"), (-0.04, "not met")])
-def test_verdicts(off, met):
+@pytest.mark.parametrize(
+    ("off", "folded", "met"),
+    [(0.02, False, "met"), (-0.04, False, "not met"), (0.02, True, "not met")],
+)
+def test_verdicts(off, folded, met):
     row = {"method": "SPH", "operator": "o", "mesh": "hex", "thickness": "free"}
+    row |= {"folded": folded}
     values = {"against_fit": off, "against_particles": np.nan, "against_highest": np.nan,
               "against_ring": np.nan}  # fmt: skip
     found = verdicts({"table": pd.DataFrame([row | values])})

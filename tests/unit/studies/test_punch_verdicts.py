@@ -39,6 +39,7 @@ def _table(**changes: dict[tuple[str, str], Any]) -> pd.DataFrame:
                 "cells": 20, "until": 0.03, "noise_mean": noise, "top_low": low,
                 "top_high": high, "pressure_1": -3e6, "pressure_99": 2e6, "energy_kept": 0.9,
                 "survived": method != FEM or press == "initial", "lost_at": 0.02,
+                "folded": False, "folded_at": float("nan"),
             }  # fmt: skip
             rows.append(row)
     table = pd.DataFrame(rows)
@@ -97,6 +98,22 @@ def test_a_world_as_in_the_paper_is_reproduced(claim: str) -> None:
         (
             "extremely large distortions",
             {"survived": {("held", FEM): True, ("held", H1): False}},
+            "not",
+        ),
+        # After the instant of the other claims, and before it.
+        (
+            "extremely large distortions",
+            {"folded": {("held", H1): True}, "folded_at": {("held", H1): 0.02}},
+            "in part",
+        ),
+        (
+            "H1 and H6 agree",
+            {"folded": {("held", H1): True}, "folded_at": {("held", H1): 0.01}},
+            "in part",
+        ),
+        (
+            "with tau_p",
+            {"folded": {("initial", H6): True}, "folded_at": {("initial", H6): 0.01}},
             "not",
         ),
     ],

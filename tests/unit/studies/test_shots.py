@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -44,6 +45,8 @@ def test_a_frame_comes_back_bit_by_bit(tmp_path):
         assert old.dtype == new.dtype
         assert old.tobytes() == new.tobytes()
     assert back.x.dtype == np.float32
+    assert back.folded is False
+    assert load_shot(save_shot(tmp_path / "b.npz", replace(shot, folded=True))).folded is True
     assert back.quads.dtype == np.int32
 
 

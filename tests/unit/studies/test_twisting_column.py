@@ -236,6 +236,11 @@ def test_every_claim_can_be_reproduced():
         (4, NOT, ("step_s", 2.5, "cost", {"secondary": "H6"})),
         (5, IN_PART, ("survived", False, "table", {"label": LITERAL_H6, "cells": 3})),
         (5, IN_PART, ("energy_kept", 1.02, "table", {"label": LITERAL, "cells": 3})),
+        (0, NOT, ("folded", True, "table", {"label": H6, "cells": 4})),
+        (1, NOT, ("folded", True, "table", {"label": H1, "cells": 10})),
+        (2, NOT, ("folded", True, "table", {"label": H1, "cells": 10})),
+        (3, NOT, ("folded", True, "table", {"label": H6, "cells": 3})),
+        (5, NOT, ("folded", True, "table", {"label": LITERAL, "cells": 3})),
         (5, NOT, ("twist_20", 6.5, "table", {"operator": "Literal"})),
     ],
 )  # fmt: skip
@@ -267,6 +272,7 @@ def test_requirements_are_met_and_missed():
         ("twist_100", 6.0, {"label": H1, "cells": 10}),
         # Each within its own bound, but the limit of the three is not.
         ("twist_100", 5.94, {"label": TOOLKIT, "cells": 10}),
+        ("folded", True, {"label": TOOLKIT, "cells": 4}),
         ("energy_kept", 0.96, {"label": H6, "cells": 5}),
         ("rest_largest", 2e-3, {"label": TOOLKIT, "cells": 4}),
         ("rest_largest", 2e-4, {"label": TOOLKIT + KEPT, "cfl": 0.5 * usual_cfl(TOOLKIT)}),
@@ -454,11 +460,13 @@ def test_a_sequence_says_its_limit_and_that_its_errors_change_sign():
     assert frame["limit"][0] == pytest.approx(5.894)
 
 
-def test_without_a_lost_run_three_are_no_sequence():
+def test_without_one_that_was_lost_or_folded_three_are_no_sequence():
     runs = sequence_of({3: 0.01, 4: 0.01, 5: 0.01, 6: 0.01})
     assert isinstance(twist_sequence(runs, H1), TwistSequence)
+    for column, values in (("survived", [1, 1, 1, 0]), ("folded", [1, 0, 0, 0])):
+        fewer = runs.assign(**{column: np.array(values, dtype=bool)})
+        assert isinstance(twist_sequence(fewer, H1), TooFew)
     runs["survived"] = [True, True, True, False]
-    assert isinstance(twist_sequence(runs, H1), TooFew)
     assert len(sequence_frame(runs, [H1])) == 0
 
 
