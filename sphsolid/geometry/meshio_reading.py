@@ -55,8 +55,10 @@ def by_number(values: Any) -> list[tuple[int, Indices]]:
 
 
 def index(nodes: Any) -> Indices:
+    """Vertices of cells as numbers of one kind, whatever the file has them in."""
     return np.asarray(nodes).astype(np.int64)
 
 
 def blocks_of(mesh: Any) -> tuple[Block, ...]:
+    """All cells of what meshio has read."""
     return tuple(Block(block.type, index(block.data)) for block in mesh.cells)
