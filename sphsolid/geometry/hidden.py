@@ -47,6 +47,25 @@ def hidden_from(outline: Outline, points: Array, row: Indices, vertex: Indices) 
     return out
 
 
+def hidden_points(outline: Outline, points: Array, one: Indices, two: Indices) -> Mask:
+    """Whether ``points (R, 3)`` [m] inside the body, or vertices of it, are hidden from each other.
+
+    ``one (P,)`` and ``two (P,)`` number them; where the points are the vertices themselves this is
+    :func:`hidden_vertices`.
+    """
+    X = outline.mesh.vertices
+    if np.array_equal(points, X):
+        return hidden_vertices(outline, one, two)
+    out = np.zeros(len(one), dtype=bool)
+    if len(outline.hiding) and len(one):
+        reach = float(np.sqrt(np.max(np.sum((points[two] - points[one]) ** 2, axis=1))))
+        near = near_hiding(outline, points, reach)
+        asked = np.flatnonzero(near[one] & near[two] & (one != two))
+        seats = _inside(outline, points)
+        out[asked] = leaving(outline, seats, np.stack([one[asked], two[asked]], axis=1))
+    return out
+
+
 def _asked(outline: Outline, points: Array, row: Indices, vertex: Indices) -> Indices:
     """The pairs near enough to the hiding part of the boundary."""
     X = outline.mesh.vertices
