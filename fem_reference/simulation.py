@@ -67,7 +67,7 @@ class Simulation:
         check_scene(scene)
         asked: Any = cfl
         require(
-            isinstance(asked, Real) and 0.0 < asked <= 1.0,
+            isinstance(asked, Real) and 0.0 < float(asked) <= 1.0,
             f"cfl = {cfl!r} is outside (0, 1]; central differences are stable to about 0.85, use "
             "0.6",
         )

@@ -198,8 +198,8 @@ def common_identity(scene: Scene, mesh: Mesh, V: Array) -> dict[str, str]:
         "sources": KERNEL_HASH,
         "libraries": ", ".join(f"{k} {libraries[k]}" for k in ("numba", "llvmlite", "numpy")),
     } | {
-        f"boundary {part.face}": _hash(mesh.face(part.face))
-        for part in (*scene.constraints, *scene.tractions)
+        f"boundary {face}": _hash(mesh.face(face))
+        for face in [c.face for c in scene.constraints] + [t.face for t in scene.tractions]
     } | {f"probe {name}": f"X = {list(place)} m" for name, place in scene.probes.items()}
 
 

@@ -24,6 +24,7 @@ from pathlib import Path
 import pandas as pd
 
 from sphsolid.errors import InputError, require
+from sphsolid.paths import path_of
 from studies.harness.cases import Case, Outcome, Row, load, partial_path, write_atomically
 from studies.harness.pool import longest_first, run_cases
 from studies.harness.progress import Reporter, duration, reporter
@@ -95,7 +96,7 @@ def parse(study: Study, given: Sequence[str]) -> argparse.Namespace:
     size.add_argument("--full", action="store_true", help="the whole study (default)")
     parser.add_argument(
         "--out",
-        type=Path,
+        type=path_of,
         help=f"folder of the results (default reports/{study.name}, "
         f"or out/{study.name}-quick with --quick)",
     )

@@ -16,7 +16,7 @@ import numpy as np
 import pytest
 
 from sphsolid.errors import Diverged, InputError
-from sphsolid.record import Energy, Every, Never, RunFolder, march, read_history
+from sphsolid.record import Energy, Every, Never, RunFolder, march, read_history, read_run
 from sphsolid.record.checkpoint import read_checkpoint
 
 
@@ -334,7 +334,8 @@ def check_readable(folder: Path) -> None:
     if (folder / "checkpoint.npz").exists():
         assert read_checkpoint(folder / "checkpoint.npz").records <= len(rows.table)
     if (folder / "run.json").exists():
-        json.loads((folder / "run.json").read_text())
+        status = json.loads((folder / "run.json").read_text())["status"]
+        assert read_run(folder)["status"] == ("killed" if status == "running" else status)
 
 
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="needs fork")
