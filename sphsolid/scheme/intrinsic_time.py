@@ -73,9 +73,8 @@ IntrinsicTime = OfMesh | OfStep
 
 def checked(value: object, what: str) -> float:
     """``value`` as a number; raises ``InputError`` unless it is finite and >= 0."""
-    number = math.nan
-    if isinstance(value, Real) and not isinstance(value, bool):
-        number = float(value)
+    # True is one to Python, and a mistake here.
+    number = math.nan if isinstance(value, bool) or not isinstance(value, Real) else float(value)
     if not (math.isfinite(number) and number >= 0.0):
         raise InputError(f"{what} = {value!r} must be a number, finite and >= 0; {_WHY}")
     return number
