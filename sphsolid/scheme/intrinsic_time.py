@@ -73,13 +73,14 @@ IntrinsicTime = OfMesh | OfStep
 
 def checked(value: object, what: str) -> float:
     """``value`` as a number; raises ``InputError`` unless it is finite and >= 0."""
-    number = isinstance(value, Real) and not isinstance(value, bool)
-    if not (number and math.isfinite(value) and value >= 0.0):  # type: ignore[arg-type,operator]
+    # True is one to Python, and a mistake here.
+    number = math.nan if isinstance(value, bool) or not isinstance(value, Real) else float(value)
+    if not (math.isfinite(number) and number >= 0.0):
         raise InputError(f"{what} = {value!r} must be a number, finite and >= 0; {_WHY}")
-    return float(value)  # type: ignore[arg-type]
+    return number
 
 
-def as_time(value: IntrinsicTime | float, what: str = "tau") -> IntrinsicTime:
+def as_time(value: object, what: str = "tau") -> IntrinsicTime:
     """A time as it is; a plain number is one of the step, the shorthand of [Lee2017].
 
     Raises ``InputError`` for anything else.

@@ -36,7 +36,7 @@ def accelerations(scene: Scene, **options: Any) -> tuple[sph.Simulation, Array]:
     """``dp/dt (N, 3)`` at the start, without stabilisation."""
     options = {"spacing": 0.2, "stabilisation": sph.NoStabilisation(), **options}
     sim = sph.Simulation(scene, **options)
-    rates = sim._rhs.evaluate(sim.state, sim.state.x, 0.0)
+    rates = rates_at(sim, step=sim.stable_time_step())
     return sim, rates.p.copy()
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 from typing import Any
 
@@ -54,6 +55,24 @@ def test_tau_F_is_a_time_of_the_solid_and_the_spacing(nu: float) -> None:
     shear = (scene.material.mu / scene.material.density / speed) ** 0.5
     assert times == [times[0]] * 3
     assert times[0] == pytest.approx(min(0.5, 5.0 * shear) * 0.5 / speed**0.5, rel=1e-9)
+
+
+def test_the_plan_promises_no_fewer_steps_than_there_will_be() -> None:
+    """The step shrinks with the smallest stretch, so what the undeformed one says is a least."""
+    sim = sph.Simulation(twisting_column(), spacing=0.5, formulation=sph.PFJ())
+    least = math.ceil(sim.scene.end_time / sim._time_step.reference)
+    assert f"at least {least} steps and {least} evaluations to " in sim.plan()
+    sim.run(until=0.2 * sim.scene.end_time)
+    assert sim.step > 0.2 * least
+    left = math.ceil(0.8 * sim.scene.end_time / sim._time_step.reference - 1e-9)
+    assert f"at least {left} steps" in sim.plan()
+
+
+def test_recommend_is_a_function_of_the_package() -> None:
+    scene = twisting_column()
+    advice = sph.recommend(scene)
+    assert advice.formulation == sph.Simulation(scene, spacing=0.5).formulation
+    assert "recommend" in sph.__all__
 
 
 def test_auto_takes_a_share_of_the_limit() -> None:

@@ -16,7 +16,7 @@ from sphsolid.scenes import twisting_column
 from studies.convergence import study as convergence
 from studies.convergence.verdicts import verdict_table
 from studies.harness.cases import ROOT
-from studies.harness.front import main
+from studies.harness.front import main, parse
 from studies.harness.results import read_results
 from studies.operators import cases as operators_cases
 from studies.report.readme_table import BEGIN, END, results_table, with_table
@@ -108,6 +108,17 @@ def test_the_twist_of_the_top_is_measured_as_turned() -> None:
     turned[:, 2] = np.sin(angle) * X[:, 0] + np.cos(angle) * X[:, 2]
     sim.state.x[:] = turned
     assert operators_cases.twist_of_top(sim.snapshot()) == pytest.approx(angle, abs=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("words", "finest"),
+    [([], 32), (["--quick"], 16), (["--quick", "--finest", "8"], 8), (["--finest", "64"], 64),
+     (["--quick", "--finest", "32"], 32)],
+)  # fmt: skip
+def test_the_finest_level_is_the_one_that_is_named(words: list[str], finest: int) -> None:
+    listed = convergence.cases(parse(convergence.STUDY, words))
+    levels = {case.arguments["cells"] for case in listed}
+    assert levels == {cells for cells in (4, 8, 16, 32, 64) if cells <= finest}
 
 
 def test_bad_command_lines_get_one_line(capsys: pytest.CaptureFixture[str]) -> None:

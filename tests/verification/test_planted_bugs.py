@@ -172,7 +172,7 @@ def test_a_lagged_geometry(monkeypatch: Patch) -> None:
     def advance(self: TVDRK2Stepper, dt: float, t: float) -> None:
         before = self.state.x.copy()
         evaluate = self.rhs.evaluate
-        self.rhs.evaluate = lambda U, x, dt, t: evaluate(U, before, dt, t)  # type: ignore
+        self.rhs.evaluate = lambda U, x, t: evaluate(U, before, t)  # type: ignore
         right(self, dt, t)
         self.rhs.evaluate = evaluate  # type: ignore[method-assign]
 

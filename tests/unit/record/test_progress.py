@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -11,6 +12,7 @@ import pytest
 from sphsolid.errors import Diverged
 from sphsolid.record import Progress, ProgressLine, march
 from sphsolid.record.progress import TICK, Pace, duration, line
+from sphsolid.scenes import Constraint, NoBodyForce, Traction, swinging_cube
 
 
 class Clock:
@@ -51,6 +53,27 @@ def test_speed_and_time_left_leave_out_the_first_step():
         assert p.eta == pytest.approx(10.0 - k)
         assert p.wall == 60.0 + k - 1
         assert p.percent == pytest.approx(10.0 * k)
+
+
+DRIVEN = {
+    "traction": {"tractions": (Traction("X+", lambda X, N, t: 0.0 * X),)},
+    "body force": {"body_force": lambda X, t: 0.0 * X},
+    "motion": {"constraints": (Constraint("X+", "all", lambda X, t: 0.0 * X),)},
+}
+
+
+@pytest.mark.parametrize("what", DRIVEN)
+def test_energy_of_a_driven_body_is_said_and_not_compared(what, fake_solver):
+    """What a load puts in is no change of what there was."""
+    free = replace(swinging_cube(), body_force=NoBodyForce())
+    for changes, driven in (({}, False), (DRIVEN[what], True)):
+        solver, told = fake_solver(scene=replace(free, **changes)), []
+        solver.time = 0.5
+        march(solver, until=1.0, progress=told.append)
+        last = line(told[-1])
+        assert told[-1].driven == driven
+        assert ("energy change" in last) != driven
+        assert last.endswith("energy 3 J") == driven
 
 
 def test_energy_is_that_of_the_records(make_snapshot):

@@ -281,6 +281,25 @@ def test_equal_clouds_and_odd_levels_are_refused() -> None:
         clouds.cases(_options("--finest", "5"))
 
 
+@pytest.mark.parametrize(
+    ("words", "finest"),
+    [(["--quick"], 8), (["--quick", "--finest", "16"], 16), (["--quick", "--finest", "4"], 4),
+     (["--finest", "16"], 16)],
+)  # fmt: skip
+def test_the_finest_level_that_is_named_is_the_last(words: list[str], finest: int) -> None:
+    listed = clouds.cases(_options("--cloud", "jitter:0.4", *words))
+    assert max(case.arguments["level"] for case in listed) == finest
+    listed = [case for case in clouds.cases(_options(*words)) if case.run.endswith(":cube")]
+    plain = [case.arguments for case in listed if not case.arguments["variant"]]
+    assert max(arguments["level"] for arguments in plain) == finest
+
+
+def test_an_option_that_would_do_nothing_is_refused() -> None:
+    with pytest.raises(InputError, match="--both-families is for the clouds that --cloud names"):
+        clouds.cases(_options("--both-families"))
+    assert clouds.cases(_options("--both-families", "--cloud", "tet"))
+
+
 def test_the_set_up_is_told_once_and_every_run_has_twelve_errors() -> None:
     runs = [["linear", "A+B+C=0", "{p,F}"], ["linear", "A=B=C", "{p,F,J}"]]
     rows = cube(cloud="tet", level=3, operator="SummationByParts", runs=runs)

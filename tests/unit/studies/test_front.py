@@ -232,6 +232,32 @@ def test_order_of_work_and_estimate():
     assert estimate.percent == 100.0
 
 
+def test_the_start_of_a_worker_is_not_taken_for_its_pace():
+    """Two workers, five seconds to start each, then one second a unit of cost."""
+    work = [power(1.0 / n, cost=1.0) for n in range(1, 13)]
+    estimate = Estimate(work, jobs=2)
+    for case in work[:2]:
+        estimate.started(case)
+    estimate.finished(work[0], Outcome(work[0].key, 6.0))
+    estimate.started(work[2])
+    # All that is known is a bound: 11 units left at six seconds on two workers.
+    assert estimate.text() == "at most 33 s left"
+    estimate.finished(work[1], Outcome(work[1].key, 6.0))
+    estimate.finished(work[2], Outcome(work[2].key, 1.0))
+    assert estimate.seconds_left() == pytest.approx(4.5)
+    assert estimate.text() == "4.5 s left"
+
+
+def test_a_study_of_as_many_cases_as_workers_ends_with_done():
+    work = [power(0.5), power(0.25)]
+    estimate = Estimate(work, jobs=2)
+    for case in work:
+        estimate.started(case)
+    for case in work:
+        estimate.finished(case, Outcome(case.key, 6.0))
+    assert estimate.text() == "done"
+
+
 @pytest.mark.parametrize(
     ("seconds", "text"),
     [
