@@ -26,7 +26,8 @@ _ROOT = Path(__file__).resolve().parent.parent
 _COMPILED_PACKAGES = ("sphsolid", "fem_reference")
 #: Rooms without kernels: they change often and need no new compilation.
 _NOT_COMPILED = (
-    "sphsolid/continuum/check_law.py", "sphsolid/geometry/", "sphsolid/scenes/", "sphsolid/record/", "sphsolid/simulation.py",
+    "sphsolid/continuum/check_law.py",
+    "sphsolid/geometry/", "sphsolid/scenes/", "sphsolid/record/", "sphsolid/simulation.py",
     "sphsolid/defaults.py", "sphsolid/describe.py", "sphsolid/recommend.py",
 )  # fmt: skip
 
@@ -70,17 +71,21 @@ import numba  # noqa: E402  (the environment above must be set first)
 from numba import prange  # noqa: E402
 from numba.extending import overload, register_jitable  # noqa: E402
 
+from sphsolid.kernel_cache import keep_own_kernels  # noqa: E402
+
 numba.config.CACHE_DIR = str(CACHE_DIR)
 
 
 def kernel(function: Callable[..., Any]) -> Callable[..., Any]:
     """Compile a gather loop: threads over the outer ``prange``, strict IEEE arithmetic."""
-    return numba.njit(parallel=True, cache=True, error_model="numpy")(function)
+    made = numba.njit(parallel=True, cache=True, error_model="numpy")(function)
+    return keep_own_kernels(made)  # type: ignore[no-any-return]
 
 
 def serial_kernel(function: Callable[..., Any]) -> Callable[..., Any]:
     """Compile a loop that must run in order (set-up work, totals)."""
-    return numba.njit(cache=True, error_model="numpy")(function)
+    made = numba.njit(cache=True, error_model="numpy")(function)
+    return keep_own_kernels(made)  # type: ignore[no-any-return]
 
 
 def inlined(function: Callable[..., Any]) -> Callable[..., Any]:

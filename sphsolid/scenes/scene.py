@@ -120,7 +120,7 @@ class Scene:
         for name in ("mu", "kappa", "density"):
             value = getattr(self.material, name, None)
             require(
-                isinstance(value, int | float | np.number) and np.isfinite(value) and value > 0.0,
+                isinstance(value, int | float | np.number) and bool(0.0 < value < np.inf),
                 f"scene {self.name!r}: material {name} = {value} must be positive and finite; "
                 "build the material with its from_young(...)",
             )
