@@ -79,13 +79,13 @@ numba.config.CACHE_DIR = str(CACHE_DIR)
 def kernel(function: Callable[..., Any]) -> Callable[..., Any]:
     """Compile a gather loop: threads over the outer ``prange``, strict IEEE arithmetic."""
     made = numba.njit(parallel=True, cache=True, error_model="numpy")(function)
-    return keep_own_kernels(made)  # type: ignore[no-any-return]
+    return keep_own_kernels(made)
 
 
 def serial_kernel(function: Callable[..., Any]) -> Callable[..., Any]:
     """Compile a loop that must run in order (set-up work, totals)."""
     made = numba.njit(cache=True, error_model="numpy")(function)
-    return keep_own_kernels(made)  # type: ignore[no-any-return]
+    return keep_own_kernels(made)
 
 
 def inlined(function: Callable[..., Any]) -> Callable[..., Any]:
