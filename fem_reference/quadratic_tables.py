@@ -16,7 +16,7 @@ from fem_reference.grid_mass import NoGrid
 from fem_reference.mesh import scikit_fem_mesh
 from fem_reference.quadratic_mesh import NODES, quadratic_mesh, trilinear
 from fem_reference.triquadratic import PLACES, WEIGHTS
-from sphsolid.continuum import reference_p_wave_speed
+from sphsolid.continuum.wave_speed import moduli_at_rest, reference_p_wave_speed
 from sphsolid.errors import InputError
 from sphsolid.geometry.cell_shape import CORNERS
 from sphsolid.geometry.mesh import HexMesh
@@ -102,7 +102,8 @@ def step_share(material: Any, dilatation: Dilatation) -> float:
     share = WEIGHTS / 8.0
     trace = np.array([1.0, 1.0, 1.0, 0.0, 0.0, 0.0])
     deviator = np.eye(6) - np.outer(trace, trace) / 3.0
-    element = 2.0 * material.mu * np.einsum("p,prn,rs,psm->nm", share, B, deviator, B)
+    mu, kappa = moduli_at_rest(material)
+    element = 2.0 * mu * np.einsum("p,prn,rs,psm->nm", share, B, deviator, B)
     moments = np.einsum("p,pa,r,prn->an", share, trilinear(POINTS), trace, B)
     K, divergence = np.zeros((size, size)), np.zeros((len(mesh.vertices), size))
     for cell, corners in zip(nodes.cells.astype(int), mesh.cells, strict=True):
@@ -111,7 +112,7 @@ def step_share(material: Any, dilatation: Dilatation) -> float:
         divergence[np.ix_(corners, dofs)] += moments
     solve = dilatation.solver(corner_mass(mesh), NoGrid())
     projected = np.stack([solve(column) for column in divergence.T], axis=1)
-    K += material.kappa * divergence.T @ projected
+    K += kappa * divergence.T @ projected
     volumes = simpson_volumes(mesh, nodes.cells, size // 3)
     root = np.repeat(np.sqrt(material.density * volumes), 3)
     top = [size - 1, size - 1]

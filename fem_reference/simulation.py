@@ -22,7 +22,8 @@ from fem_reference.loads import loads_of, nodal_force
 from fem_reference.mesh import scikit_fem_mesh
 from fem_reference.updates import divide_by_mass
 from sphsolid.compiled import threads
-from sphsolid.continuum import check_law, reference_p_wave_speed
+from sphsolid.continuum import reference_p_wave_speed
+from sphsolid.continuum.check_law import check_first_use
 from sphsolid.errors import Diverged, InputError, require
 from sphsolid.geometry.body import AS_MESHED, AsMeshed, Spacing
 from sphsolid.geometry.mesh import hexahedra, protected, read_only
@@ -75,7 +76,7 @@ class Simulation:
             raise InputError(
                 f"element = {element!r} is no element technology; use BBarHex() or TaylorHoodHex()"
             )
-        check_law(scene.material)
+        check_first_use(scene.material)
         self.scene = scene
         self.element = element
         self.cfl = cfl

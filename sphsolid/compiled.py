@@ -7,10 +7,10 @@ Why a module of its own:
   hash of every source file that can end up in a kernel: those that import this module or are
   in a room that does.
 * The threading layer and its wait policy must be chosen before numba starts its threads.
-
 * A cache is a convenience: where none can be written, kernels are compiled in memory, and a warning
   of one line says so.
-* GNU's threads do not survive a fork; a forked process gets others (:func:`_change_threads`).
+* GNU's threads do not survive a fork; a forked process gets others:
+  :func:`_change_threads`.
 
 Kernels take arrays and scalars only and write into their last argument.  They *gather*: every
 output row is written by exactly one loop iteration, so the bits do not depend on the number of
@@ -21,9 +21,7 @@ from __future__ import annotations
 
 import hashlib
 import os
-import warnings
 from collections.abc import Callable
-from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -94,43 +92,13 @@ os.environ.setdefault("NUMBA_THREADING_LAYER", "omp")
 
 import numba  # noqa: E402  (the environment above must be set first)
 from numba import prange  # noqa: E402
-from numba.core.caching import FunctionCache  # noqa: E402
 from numba.extending import overload, register_jitable  # noqa: E402
 from numba.np.ufunc import parallel as _threading  # noqa: E402
 
+from sphsolid.kernel_cache import OptionalCache, say_not_kept  # noqa: E402
+
 if CACHE_DIR is not None:
     numba.config.CACHE_DIR = str(CACHE_DIR)
-
-
-class _OptionalCache(FunctionCache):
-    """numba's cache of one kernel, which may fail without harm."""
-
-    def load_overload(self, sig: Any, target_context: Any) -> Any:
-        try:
-            return super().load_overload(sig, target_context)
-        except Exception:
-            # Whatever is wrong with what is there, it can be made anew.
-            with suppress(OSError):
-                self.flush()
-            return None
-
-    def save_overload(self, sig: Any, data: Any) -> None:
-        try:
-            super().save_overload(sig, data)
-        except OSError as failure:
-            _say_not_kept(failure)
-
-
-_said_not_kept = False
-
-
-def _say_not_kept(why: Exception) -> None:
-    global _said_not_kept
-    if not _said_not_kept:
-        _said_not_kept = True
-        text = f"kernels are compiled in memory, anew in every process: {why}; set SPHSOLID_CACHE"
-        # Not at a line of the caller: one line is all there is to say.
-        warnings.warn_explicit(text, RuntimeWarning, "sphsolid", 0)
 
 
 _KERNELS: list[Any] = []
@@ -142,13 +110,13 @@ def _compiled(function: Callable[..., Any], *, parallel: bool) -> Any:
     try:
         if CACHE_DIR is None:
             cache_base()
-        cache = _OptionalCache(function)
+        cache = OptionalCache(function)
         # numba's next choice is a folder beside the source, which knows nothing of other sources.
         if not Path(cache.cache_path).is_relative_to(Path(numba.config.CACHE_DIR)):
             raise OSError(f"{CACHE_DIR} cannot be written")
         made._cache = cache
     except (OSError, RuntimeError) as failure:
-        _say_not_kept(failure)
+        say_not_kept(failure)
     return made
 
 

@@ -16,7 +16,8 @@ from sphsolid.cloud.cloud import build_cloud, build_secondary, consistency_repor
 from sphsolid.cloud.operator import Consistent, Literal, OperatorKind, SummationByParts
 from sphsolid.cloud.secondary import default_secondary
 from sphsolid.cloud.smoothing import SmoothingFunction, WendlandC2
-from sphsolid.continuum import check_law, law
+from sphsolid.continuum import law
+from sphsolid.continuum.check_law import check_first_use
 from sphsolid.continuum.tensor import cofactor, determinant, join, split
 from sphsolid.continuum.wave_speed import reference_p_wave_speed
 from sphsolid.defaults import (
@@ -129,7 +130,7 @@ class Simulation:
         #: Options that were left to ``sphsolid.defaults``.
         self.by_default = tuple(name for name, value in given.items() if value is None)
         self.scene = scene
-        check_law(scene.material)
+        check_first_use(scene.material)
         _known("integrator", integrator, TVDRK2, SSPRK3, PositionVerlet)
         self.integrator: Integrator = default_integrator() if integrator is None else integrator
         self.advice = recommend(scene)

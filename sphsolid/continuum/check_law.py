@@ -6,6 +6,7 @@ central differences of step 1e-3, good to about 1e-10 of the larger modulus, in 
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable
 from typing import Any
 
@@ -27,7 +28,7 @@ _TOLERANCE = 1.0e-7
 #: Jacobians at which the volumetric energy is looked at; the first is the undeformed state.
 _J = np.array([1.0, 0.7, 0.9, 1.1, 1.4])
 _ENTRIES = [f"{name}{i}{k}" for name in "FH" for i in "123" for k in "123"] + ["J"]
-_CHECKED: dict[tuple[Any, ...], str] = {}
+_CHECKED: dict[tuple[Any, ...], tuple[str, str]] = {}
 
 
 def _deformations() -> Array:
@@ -64,39 +65,54 @@ def check_law(material: Any) -> None:
     for a rotation ``Q``.  ``U(J)`` is the energy of a pure change of volume, ``U'`` and ``U''`` its
     derivatives, ``U''(1) = kappa``; small strains find ``lambda = kappa - 2/3 mu`` and ``mu``.
 
-    Both solvers run it when they first meet a law with these parameters, some milliseconds.
+    Both solvers run :func:`check_first_use`, which is this, once, with a milder end.
     """
+    contradiction, moduli = _verdict(material)
+    if contradiction or moduli:
+        raise InputError(contradiction or moduli)
+
+
+def check_first_use(material: Any) -> None:
+    """:func:`check_law` when a solver meets a law; some milliseconds, remembered.
+
+    A law whose ``mu`` or ``kappa`` is not the stiffness of its energy may run: solvers ask the law
+    for its wave speed.  Its stabilisation goes by the parameters, and one warning says so.
+    """
+    contradiction, moduli = _verdict(material)
+    if contradiction:
+        raise InputError(contradiction)
+    if moduli:
+        warnings.warn(
+            f"{moduli}; the time step follows the energy, stabilisation the parameters",
+            stacklevel=3,
+        )
+
+
+def _verdict(material: Any) -> tuple[str, str]:
+    """What the functions, and what the moduli are said to do wrong; empty where nothing."""
     require_law(material)
     try:
         key = (type(in_kernels(material)), *material)
-        before = _CHECKED.get(key)
+        known = _CHECKED.get(key)
     except TypeError:
         raise InputError(
             f"law {type(material).__name__}: its parameters {tuple(material)} must be numbers"
         ) from None
-    if before is None:
-        try:
-            _check(material)
-            before = ""
-        except InputError as failure:
-            before = str(failure)
-        _CHECKED[key] = before
-    if before:
-        raise InputError(before)
+    if known is None:
+        with np.errstate(all="ignore"):
+            judge = _Judge(material)
+            contradiction = _refusal(judge.functions)
+            known = contradiction, "" if contradiction else _refusal(judge.moduli)
+        _CHECKED[key] = known
+    return known
 
 
-def _check(material: Any) -> None:
-    with np.errstate(all="ignore"):
-        judge = _Judge(material)
-        judge.parameters()
-        judge.numbers_and_arrays()
-        judge.rest()
-        judge.gradient()
-        judge.stress()
-        judge.hessian()
-        judge.rotation()
-        judge.volume()
-        judge.moduli()
+def _refusal(judgement: Callable[[], None]) -> str:
+    try:
+        judgement()
+    except InputError as failure:
+        return str(failure)
+    return ""
 
 
 class _Judge:
@@ -109,11 +125,22 @@ class _Judge:
         self.point = np.column_stack([*self.F, *self.H, self.J])
         self.scale = 1.0
 
+    def functions(self) -> None:
+        """Everything but the moduli."""
+        self.parameters()
+        self.numbers_and_arrays()
+        self.rest()
+        self.gradient()
+        self.stress()
+        self.hessian()
+        self.rotation()
+        self.volume()
+
     def parameters(self) -> None:
         for parameter in ("mu", "kappa", "density"):
             value = getattr(self.m, parameter, None)
             require(
-                isinstance(value, int | float | np.number) and np.isfinite(value) and value > 0.0,
+                isinstance(value, int | float | np.number) and bool(0.0 < value < np.inf),
                 f"{self.name}: {parameter} = {value!r} must be a positive, finite number, a field "
                 "or a property of the parameters",
             )
@@ -162,7 +189,7 @@ class _Judge:
                 ) from failure
             require(
                 alone.shape == together[:, a].shape,
-                f"{what} returns {len(alone)} numbers for one state and {len(together)} for several",
+                f"{what} returns {len(alone)} numbers for one state, {len(together)} for several",
             )
             require(
                 bool(np.all(np.isfinite(alone))),
@@ -222,9 +249,9 @@ class _Judge:
 
     def rotation(self) -> None:
         Q = np.array([[2.0, -1.0, 2.0], [2.0, 2.0, -1.0], [-1.0, 2.0, 2.0]]) / 3.0
-        turned = [split(Q @ join(A)) for A in (self.F, self.H)]
+        QF, QH = split(Q @ join(self.F)), split(Q @ join(self.H))
         before = law.energy(self.m, self.F, self.H, self.J)
-        after = law.energy(self.m, *turned, self.J)
+        after = law.energy(self.m, QF, QH, self.J)
         for a in range(len(_F)):
             self._agree(
                 "energy of a rotated state W(QF, QH, J)", after[a], before[a], "W(F, H, J)", a
@@ -247,16 +274,17 @@ class _Judge:
         ):
             slope = np.array([np.broadcast_to(f(self.m, J), 4) @ _WEIGHTS for J in near]) / _STEP
             self._at_J(what, found, slope, "the derivative of the one before")
-        self._agree("kappa", self.m.kappa, ddU[0], "U''(1), the bulk modulus of energy", 0)
 
     def moduli(self) -> None:
+        ddU = law.volumetric_stiffness(self.m, 1.0)
+        self._agree("kappa", self.m.kappa, ddU, "U''(1), the bulk modulus of energy", 0)
         mu, lam = float(self.m.mu), first_lame(float(self.m.mu), float(self.m.kappa))
         for name, i, k in (("12", 0, 1), ("13", 0, 2), ("23", 1, 2), ("21", 1, 0)):
             dF = np.zeros((3, 3))
             dF[i, k] = 1.0
             dP = np.array(law.tangent_action(self.m, IDENTITY, split(dF))).reshape(3, 3)
             self._agree(
-                f"mu (and every law must be isotropic at rest); mu in shear {name}", mu,
+                f"mu in shear {name} (all laws are taken as isotropic at rest)", mu,
                 dP[i, k], "the stiffness of energy", 0,
             )  # fmt: skip
         for i in range(3):

@@ -76,7 +76,7 @@ def register_law(
         "hessian_action": hessian_action,
     }
     for which, function in given.items():
-        require(callable(function), f"register_law: {which} = {function!r} of {name} is no function")
+        require(callable(function), f"register_law: {which} = {function!r} is no function")
     if not isinstance(volumetric, FromEnergy):
         is_triple = isinstance(volumetric, tuple) and len(volumetric) == 3
         require(

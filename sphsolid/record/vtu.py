@@ -27,8 +27,9 @@ def write_vtu(snapshot: Snapshot, path: str | Path) -> None:
     ``cauchy`` [Pa] (nine components, row by row), ``J``, ``pressure`` and ``von_mises`` [Pa] stand
     where the method evaluates the law: at the points for particles, in the cells for finite
     elements.  Field data ``TimeValue`` [s], ``step`` and ``pressure_is_positive_in_tension``, 1:
-    the sign of ``pressure``, for whoever has only the file.  The file is whole or not there; an older one is replaced.
-    Raises ``InputError`` for another suffix than ``.vtu`` or a folder that does not exist.
+    the sign of ``pressure``, for whoever has only the file.  The file is whole or not there; an
+    older one is replaced.  Raises ``InputError`` for another suffix than ``.vtu`` or a folder that
+    does not exist.
     """
     target = path_of(path)
     if target.suffix != ".vtu":

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from sphsolid.continuum.moduli import first_lame
 from sphsolid.continuum.tensor import Tensor, join, split
+from sphsolid.continuum.wave_speed import moduli_at_rest
 from sphsolid.fields import components, tensor_field, vector_field
 from sphsolid.scheme import galerkin
 from sphsolid.scheme.right_hand_side import RightHandSide
@@ -53,7 +54,8 @@ def highest_frequency(rhs: RightHandSide) -> float:
     """
     response = ElasticResponse(rhs)
     material = rhs.material
-    mu, lam = material.mu, first_lame(material.mu, material.kappa)
+    mu, kappa = moduli_at_rest(material)
+    lam = first_lame(mu, kappa)
     mass = material.density * response.V
     u = np.random.default_rng(0).uniform(-1.0, 1.0, rhs.cloud.X.shape)
     rhs.essential.release(u)

@@ -9,7 +9,7 @@ import numba
 import numpy as np
 import pytest
 
-from sphsolid import compiled
+from sphsolid import compiled, kernel_cache
 from sphsolid.cloud import build_cloud, operator_cache
 from sphsolid.cloud.operator import Consistent
 from sphsolid.cloud.smoothing import WendlandC2
@@ -83,7 +83,7 @@ def runs(kernel) -> bool:
 
 @pytest.fixture
 def not_said(monkeypatch):
-    monkeypatch.setattr(compiled, "_said_not_kept", False)
+    monkeypatch.setattr(kernel_cache, "_said_not_kept", False)
     monkeypatch.setattr(compiled, "_KERNELS", [])
 
 

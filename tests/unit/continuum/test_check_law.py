@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import warnings
 from collections.abc import Callable
 from dataclasses import replace
 from typing import Any, NamedTuple
@@ -14,7 +15,9 @@ import fem_reference as fem
 import sphsolid as sph
 from sphsolid.continuum import check_law as exported
 from sphsolid.continuum import register_law
+from sphsolid.continuum.check_law import check_first_use
 from sphsolid.continuum.tensor import axpy, contract, scale
+from sphsolid.continuum.wave_speed import moduli_at_rest, reference_p_wave_speed
 from sphsolid.errors import InputError
 from sphsolid.scenes import twisting_column
 from tests.oracles import laws
@@ -144,7 +147,8 @@ def test_a_stress_at_rest_is_refused() -> None:
     text = refusal(
         law_with({"energy": prestressed, "conjugate_stresses": stresses, "first_piola": piola})
     )
-    assert "undeformed state" in text and "no stress" in text
+    assert "undeformed state" in text
+    assert "no stress" in text
 
 
 class Moduli(NamedTuple):
@@ -174,6 +178,21 @@ def test_moduli_that_are_not_those_of_the_energy() -> None:
     assert "mu in shear" in refusal(Moduli(1.0e6, 1.0e8, 1.1e6, 1.0e8, 1000.0))
 
 
+def test_a_solver_asks_such_a_law_for_its_wave_speed_and_warns() -> None:
+    right, wrong = (Moduli(1.0e6, 1.0e7, mu, kappa, 1000.0) for mu, kappa in
+                    ((1.0e6, 1.0e7), (4.0e6, 2.0e6)))  # fmt: skip
+    speed = math.sqrt((1.0e7 + 4.0 / 3.0 * 1.0e6) / 1000.0)
+    for law in (right, wrong):
+        assert reference_p_wave_speed(law) == pytest.approx(speed, rel=1e-12)
+        assert moduli_at_rest(law) == pytest.approx((1.0e6, 1.0e7), rel=1e-12)
+    assert moduli_at_rest(right) == (1.0e6, 1.0e7)
+    with pytest.warns(UserWarning, match="kappa is 2e"):
+        check_first_use(wrong)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        check_first_use(right)
+
+
 @pytest.mark.parametrize(
     ("values", "word"),
     [((0.0, 1.0, 1.0), "mu"), ((1.0, math.inf, 1.0), "kappa"), ((1.0, 1.0, None), "density")],
@@ -196,7 +215,8 @@ def test_what_is_no_law_gets_one_sentence_from_the_scene(material: Any) -> None:
     with pytest.raises(InputError) as caught:
         replace(scene, material=material)
     text = str(caught.value)
-    assert "material = " in text and "\n" not in text
+    assert "material = " in text
+    assert "\n" not in text
     assert refusal(material)
 
 

@@ -18,6 +18,8 @@ import pytest
 import sphsolid as sph
 from sphsolid.continuum import law
 from sphsolid.continuum.law_types import __getattr__ as type_of_name
+from sphsolid.continuum.tensor import IDENTITY
+from sphsolid.kernel_cache import is_foreign
 from tests.oracles.laws import LAWS
 
 #: A law in a module of the user's own; ``helpers`` is another one.
@@ -88,8 +90,7 @@ def in_kernels(loaded: ModuleType) -> Any:
 
 @numba.njit
 def energy_in_a_kernel(material, J):  # type: ignore[no-untyped-def]
-    I = (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)
-    return law.energy(material, I, I, J)
+    return law.energy(material, IDENTITY, IDENTITY, J)
 
 
 def test_the_same_text_is_the_same_law(load: Any) -> None:
@@ -124,9 +125,8 @@ def test_a_kernel_follows_every_edit_in_the_same_process(load: Any) -> None:
 
     def both(loaded: ModuleType) -> tuple[float, float]:
         material = loaded.MyLaw(1.0, 2.0, 3.0)
-        I = (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)
         found = energy_in_a_kernel(law.in_kernels(material), 1.5)
-        return found, law.energy(material, I, I, 1.5)
+        return found, law.energy(material, IDENTITY, IDENTITY, 1.5)
 
     found, expected = both(load())
     assert found == pytest.approx(expected) == pytest.approx(1.5 + 0.25 + 4.0)
@@ -153,13 +153,15 @@ def test_laws_of_the_package_keep_their_own_types() -> None:
     assert law.in_kernels(rubber) is rubber
     mine = law.in_kernels(LAWS[0])
     assert law.in_kernels(mine) is mine
-    assert isinstance(mine, type(LAWS[0])) and mine == LAWS[0]
+    assert isinstance(mine, type(LAWS[0]))
+    assert mine == LAWS[0]
 
 
 def test_what_kernels_are_handed_can_be_copied_and_pickled() -> None:
     mine = law.in_kernels(LAWS[0])
     for again in (copy.deepcopy(mine), pickle.loads(pickle.dumps(mine))):
-        assert type(again) is type(mine) and again == mine
+        assert type(again) is type(mine)
+        assert again == mine
 
 
 def test_the_name_of_a_law_of_another_program_can_be_read() -> None:
@@ -191,6 +193,14 @@ I = (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)
 def work(material, out):
     out[0] = law.energy(material, I, I, 1.5)
 """
+
+
+def test_a_kernel_of_a_class_as_it_is_is_not_stored() -> None:
+    rubber, mine = sph.NeoHookean(1.0, 2.0, 3.0), LAWS[0]
+    assert is_foreign(numba.typeof(mine))
+    assert is_foreign(numba.typeof((1, mine)))
+    for kept in (rubber, law.in_kernels(mine), (1.0, 2), np.zeros(3), (1, rubber)):
+        assert not is_foreign(numba.typeof(kept))
 
 
 @pytest.mark.slow
@@ -233,6 +243,7 @@ def test_programs_share_a_cache_without_a_trace_of_one_another(tmp_path: Path) -
     # A program that knows none of these laws.
     neo_hookean = 0.5 * 1.5 ** (-2 / 3) * 3.0 + 0.25
     found, hits = run(shared)
-    assert found == pytest.approx(neo_hookean) and hits == 0
+    assert found == pytest.approx(neo_hookean)
+    assert hits == 0
     assert run(shared)[1] == 1
     assert np.isfinite(found)

@@ -17,7 +17,7 @@ from sphsolid.record import write_vtu
 from sphsolid.record.vtu import write_pvd
 from tests.oracles.blocks import loaded_block
 
-FIELDS = ("u", "v", "p", "F", "J", "P", "pressure", "von_mises")
+FIELDS = ("u", "v", "p", "F", "J", "P", "cauchy", "pressure", "von_mises")
 #: The eight corners of a VTK hexahedron in its own coordinates: the bottom quadrilateral, then the
 #: top one above it, both counter-clockwise seen from above.
 VTK = np.array(
@@ -78,7 +78,7 @@ def test_every_field_comes_back_in_single_precision(moved, read):
 
 def test_the_law_stands_where_the_method_evaluates_it(moved, read):
     names = {"X", "u", "v", "p"}
-    law = {"F", "J", "P", "pressure", "von_mises"}
+    law = {"F", "J", "P", "cauchy", "pressure", "von_mises"}
     if isinstance(moved, sph.Simulation):
         assert (set(read.point_data), set(read.cell_data)) == (names | law, set())
     else:
@@ -96,6 +96,16 @@ def test_points_are_where_the_body_is_now(moved, read):
 def test_time_and_step(moved, read):
     assert read.field_data["TimeValue"].tolist() == [1.0e-3]
     assert read.field_data["step"].tolist() == [moved.step]
+
+
+def test_the_file_says_the_sign_of_its_pressure(moved, read):
+    """Positive in tension: a third of the trace of the Cauchy stress in the same file."""
+    assert read.field_data["pressure_is_positive_in_tension"].tolist() == [1]
+    law = {name: read.cell_data[name][0] for name in read.cell_data} or read.point_data
+    mean = law["cauchy"][:, [0, 4, 8]].sum(axis=1) / 3.0
+    # Of {p,F,H,J} the two differ by what J and det F, H and cof F do.
+    size = np.abs(law["pressure"]).max()
+    np.testing.assert_allclose(law["pressure"], mean, atol=0.05 * size)
 
 
 def test_cells_are_the_right_way_round(moved, read):

@@ -177,7 +177,7 @@ def test_the_general_forms_become_the_simplified_one_for_its_own_energy(form: st
     d = data()
     xi = (0.2, 0.0, 0.0) if form == "hessian" else (0.2 * MATERIAL.mu / MATERIAL.kappa, 0.0, 0.0)
     options = numpy_sph.Options("FHJ", form, tau=(0.7, 0.4, 0.3), xi=xi)
-    mine = general(d, Quadratic(MATERIAL.kappa), options, True)
+    mine = general(d, law.in_kernels(Quadratic(MATERIAL.kappa)), options, True)
     simplified = numpy_sph.Options("F", "simplified", tau=(0.7, 0, 0), xi=(0.2, 0, 0))
     P_fine, _ = expected(d, simplified, True)
     np.testing.assert_allclose(mine, P_fine, atol=1e-12 * np.max(np.abs(P_fine)))

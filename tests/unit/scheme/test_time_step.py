@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -14,6 +15,8 @@ from sphsolid.scenes import swinging_cube
 from sphsolid.scheme.right_hand_side import State
 from sphsolid.scheme.tile import make_scratch
 from sphsolid.scheme.time_step import TimeStep, check_cfl
+from tests.oracles.blocks import spinning_block
+from tests.oracles.laws import LAWS
 
 Array = NDArray[np.float64]
 N = 6
@@ -132,3 +135,17 @@ def test_a_simulation_asks_with_its_own_state() -> None:
         sim.stable_time_step()
     assert caught.value.particle == 7
     assert caught.value.position == tuple(sim.cloud.X[7])
+
+
+def test_a_law_that_stiffens_with_compression_has_a_shorter_step() -> None:
+    """``U'' = kappa (1 - ln J) / J^2`` at ``J = 0.85^3``; the quadratic ``U''`` stays ``kappa``."""
+    law = LAWS[0]
+    soft = sph.NeoHookean(mu=law.mu, kappa=law.kappa, density=law.density)
+    steps = []
+    for material in (law, soft):
+        scene = replace(
+            spinning_block(), material=material, initial_displacement=lambda X: -0.15 * X
+        )
+        steps.append(sph.Simulation(scene, spacing=0.25, formulation=sph.PF()).stable_time_step())
+    J = 0.85**3
+    assert steps[1] / steps[0] == pytest.approx(math.sqrt((1.0 - math.log(J)) / J**2), rel=1e-6)
