@@ -26,6 +26,7 @@ def plan(sim: Simulation) -> str:
         f"scene          {sim.scene.name}: {sim.scene.provenance or 'no provenance given'}",
         f"particles      {c.size} primary, spacing {c.spacing:.4g} m, "
         f"{c.kinematic.mean_neighbours:.1f} neighbours ({_support(sim)})",
+        "material       " + _material(sim),
         f"operator       {sim.operator.name}, "
         + ("force and gradient adjoint" if c.is_adjoint else "not adjoint")
         + f"; {sim.consistency}; differs from the printed gradient by {c.change:.2g} of it, "
@@ -55,6 +56,20 @@ def _support(sim: Simulation) -> str:
     dx = c.lengths.nominal
     unit = "dx" if math.isclose(dx, c.spacing) else f"times the widest edge, {dx:.4g} m"
     return f"support {c.smoothing.support * c.h:.4g} m = {ratio:.3g} {unit}"
+
+
+def _material(sim: Simulation) -> str:
+    c = sim.cloud
+    left_out = f"{c.left_out} pairs of particles"
+    if sim.secondary is not None:
+        left_out += f" and {sim.secondary.left_out} of secondary ones"
+    if c.sight.is_clear:
+        text = "every pair within its support is one: nothing in the body is hidden"
+    else:
+        text = f"{left_out} left out: the straight line between them leaves the body"
+    if c.parts > 1:
+        text += f"; {c.parts} parts share no pair and pass through each other: there is no contact"
+    return text
 
 
 def _why(sim: Simulation) -> str:

@@ -84,7 +84,7 @@ def clusters(mesh: TetMesh, per_particle: float) -> Indices:
     reach = _REACH * np.cbrt(6.0 * volume)
     length = np.linalg.norm(offset, axis=1)
     near = centroid + offset * np.minimum(1.0, reach / np.maximum(length, 1e-300))[:, None]
-    group = _one_cavity(centre, mesh.spacing)
+    group = _one_cavity(mesh.cells, centre, mesh.spacing)
     wanted = max(1, round(per_particle * float(volume.sum()) / mesh.spacing**3))
     facets = cell_facets(mesh.cells, TETRAHEDRON)
     number = same_vertices(facets)
@@ -94,9 +94,15 @@ def clusters(mesh: TetMesh, per_particle: float) -> Indices:
     return _joined(group, links, volume, near, wanted, _CHEAP * mesh.spacing**5)
 
 
-def _one_cavity(centre: Array, spacing: float) -> Indices:
-    """Cells whose circumcentres coincide; the emptiness of the spheres makes them neighbours."""
+def _one_cavity(cells: Indices, centre: Array, spacing: float) -> Indices:
+    """Cells whose circumcentres coincide and that have a vertex in common.
+
+    The emptiness of the spheres makes them neighbours, but for those on both sides of a gap.
+    """
     pairs = cKDTree(centre).query_pairs(_SAME * spacing, output_type="ndarray")
+    i, j = pairs.T
+    touch = np.any(cells[i][:, :, None] == cells[j][:, None, :], axis=(1, 2))
+    pairs = pairs[touch]
     size = len(centre)
     _, group = connected_components(
         coo_array((np.ones(len(pairs)), pairs.T), shape=(size, size)), directed=False

@@ -29,6 +29,7 @@ from sphsolid.cloud.support import check_support
 from sphsolid.errors import require
 from sphsolid.geometry.integrals import area_vectors, vertex_volumes
 from sphsolid.geometry.mesh import Mesh
+from sphsolid.geometry.overlap import refuse_overlap
 
 Array = NDArray[np.float64]
 
@@ -185,7 +186,8 @@ def build_cloud(
 
     Pairs whose straight line leaves the body are none (``pairs.sight``).  Raises ``InputError``
     for a non-positive ``h_over_dx``, a support that is too small (naming
-    the particle and the value to raise it to) or an operator that does not exist on this cloud.
+    the particle and the value to raise it to), parts that overlap, or an operator that does not
+    exist on this cloud.
     ``stencils=False`` stores every particle's own pairs, as on an irregular cloud.
     """
     require(
@@ -194,11 +196,12 @@ def build_cloud(
     )
     X = mesh.vertices
     V = vertex_volumes(mesh)
+    refuse_overlap("the body", mesh)
     areas = area_vectors(mesh, mesh.boundary)
     sight = Sight.within(mesh)
     lengths = lengths_of(mesh, h_over_dx)
     within = lengths.pairs(X, X, smoothing.support)
-    pairs = sight.among(within)
+    pairs = sight.seen(X, within)
     check_support(
         X, X, pairs,
         h_over_dx=h_over_dx, support=smoothing.support, spacings=lengths.spacings(X),
@@ -242,7 +245,7 @@ def build_secondary(
     X, V = points.place(cloud.mesh)
     lengths = cloud.lengths
     within = lengths.pairs(X, cloud.X, cloud.smoothing.support)
-    pairs = cloud.sight.of(X, within)
+    pairs = cloud.sight.seen(X, within)
     check_support(
         X, cloud.X, pairs,
         h_over_dx=lengths.h_over_dx, support=cloud.smoothing.support,

@@ -13,14 +13,19 @@ from scipy.spatial import cKDTree
 
 from sphsolid.geometry.cell_shape import HEXAHEDRON
 from sphsolid.geometry.facets import cell_facets, same_vertices
+from sphsolid.geometry.hidden import hidden_vertices
 from sphsolid.geometry.integrals import (
     cell_volumes_and_centroids,
     local_spacing,
     vertex_volumes,
 )
+from sphsolid.geometry.line_of_sight import near_hiding
 from sphsolid.geometry.mesh import Mesh
+from sphsolid.geometry.outline import Outline
+from sphsolid.geometry.overlap import refuse_overlap
 
 Array = NDArray[np.float64]
+Indices = NDArray[np.int64]
 Vector = tuple[float, float, float]
 
 #: Edges of a cell at each of its corners, as the local corners they lead to, right-handed.
@@ -53,8 +58,10 @@ class MeshReport:
     ``centroid_in_boundary`` [m] the same point in two; ``open_area``: ``|sum A_a N_a|`` over the
     area of the boundary.  ``spacing``, ``smallest_spacing``, ``largest_spacing`` [m]: nominal, and
     the extremes of :func:`~sphsolid.geometry.integrals.local_spacing`; ``smallest_distance`` [m]
-    of two vertices; ``neighbours``: fewest, mean and most vertices within :data:`REACH` local
-    spacings of a vertex, nearly those that a particle will have; ``worst_quality`` and
+    of two vertices that see each other; ``neighbours``: fewest, mean and most vertices within
+    :data:`REACH` local spacings of a vertex, nearly those that a particle will have;
+    ``left_out``: pairs within that reach that are not counted, because the straight line between
+    them leaves the body (:mod:`~sphsolid.geometry.line_of_sight`); ``worst_quality`` and
     ``mean_quality`` of the cells, see :func:`cell_quality`; ``parts``: pieces that share no facet;
     ``size`` [m] the diagonal of the box around the body.
     """
@@ -78,6 +85,7 @@ class MeshReport:
     largest_spacing: float
     smallest_distance: float
     neighbours: tuple[int, float, int]
+    left_out: int
     worst_quality: float
     mean_quality: float
     tags: tuple[TagReport, ...]
@@ -111,6 +119,7 @@ class MeshReport:
             f"{self.largest_spacing:.4g} m; smallest distance {self.smallest_distance:.4g} m",
             f"neighbours   {fewest} to {most} of a vertex, {mean:.1f} on average, within "
             f"{REACH:g} spacings around it",
+            f"left out     {self.left_out} pairs as near: a slot, notch or gap is between them",
             f"quality      scaled Jacobian {self.worst_quality:.3f} at worst, "
             f"{self.mean_quality:.3f} on average (best 1)",
             f"{'tag':<{width}}  {'facets':>8}  {'area [m^2]':>12}",
@@ -128,11 +137,13 @@ def check_mesh(mesh: Mesh, *, unused_vertices: int = 0, midside_vertices: int = 
         V = 1/3 int X . n dA,    int X_d dV = 1/2 int X_d^2 n_d dA,
 
     both without quadrature error, so that they differ by round-off unless a facet is missing,
-    there twice or turned inwards.  Raises ``InputError`` for an inverted or flat cell.
+    there twice or turned inwards.  Raises ``InputError`` for an inverted or flat cell, and for
+    parts that overlap.
     """
     low, high = mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)
     middle = 0.5 * (low + high)
     V = vertex_volumes(mesh)
+    refuse_overlap("the mesh", mesh)
     cell_volume, _ = cell_volumes_and_centroids(mesh)
     particles = middle + (V @ (mesh.vertices - middle)) / V.sum()
     tags, volume, moment, closure = [], 0.0, np.zeros(3), np.zeros(3)
@@ -143,10 +154,8 @@ def check_mesh(mesh: Mesh, *, unused_vertices: int = 0, midside_vertices: int = 
     total = math.fsum(tag.area for tag in tags)
     around = local_spacing(mesh)
     quality = cell_quality(mesh)
-    tree = cKDTree(mesh.vertices)
     # The smoothing function is zero at the edge, where a lattice has neighbours up to round-off.
-    inside = (1.0 - 1.0e-9) * REACH
-    near = tree.query_ball_point(mesh.vertices, inside * around, return_length=True) - 1
+    near, left_out, smallest = _neighbours(mesh, (1.0 - 1.0e-9) * REACH * around)
     return MeshReport(
         cell=mesh.shape.name,
         cells=len(mesh.cells),
@@ -165,8 +174,9 @@ def check_mesh(mesh: Mesh, *, unused_vertices: int = 0, midside_vertices: int = 
         spacing=mesh.spacing,
         smallest_spacing=float(around.min()),
         largest_spacing=float(around.max()),
-        smallest_distance=float(tree.query(mesh.vertices, k=2)[0][:, 1].min()),
+        smallest_distance=smallest,
         neighbours=(int(near.min()), float(near.mean()), int(near.max())),
+        left_out=left_out,
         worst_quality=float(quality.min()),
         mean_quality=float(quality.mean()),
         tags=tuple(tags),
@@ -187,6 +197,29 @@ def cell_quality(mesh: Mesh) -> Array:
             found, np.linalg.det(edges) / np.linalg.norm(edges, axis=2).prod(axis=1)
         )
     return found if mesh.shape is HEXAHEDRON else math.sqrt(2.0) * found
+
+
+def _neighbours(mesh: Mesh, reach: Array) -> tuple[Indices, int, float]:
+    """Vertices seen within ``reach (N,)`` of each, pairs hidden, and the smallest distance seen."""
+    X, outline = mesh.vertices, Outline.of(mesh)
+    tree = cKDTree(X)
+    near = tree.query_ball_point(X, reach, return_length=True).astype(np.int64) - 1
+    nearest = tree.query(X, k=2)[0][:, 1]
+    some = np.flatnonzero(near_hiding(outline, X, float(reach.max())))
+    if len(some) == 0:
+        return near, 0, float(nearest.min())
+    found = tree.query_ball_point(X[some], reach[some], return_sorted=True)
+    row = np.repeat(some, [len(of) for of in found])
+    column = np.concatenate(found).astype(np.int64)
+    other = row != column
+    row, column = row[other], column[other]
+    hidden = hidden_vertices(outline, row, column)
+    near -= np.bincount(row[hidden], minlength=len(X))
+    key = np.minimum(row, column) * len(X) + np.maximum(row, column)
+    nearest[some] = np.inf
+    distance = np.linalg.norm(X[row] - X[column], axis=1)[~hidden]
+    smallest = min(float(nearest.min()), float(distance.min(initial=np.inf)))
+    return near, len(np.unique(key[hidden])), smallest
 
 
 def _boundary_integrals(

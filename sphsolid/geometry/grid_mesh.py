@@ -44,6 +44,11 @@ class GridAxis:
         return cls(np.concatenate(planes), np.concatenate(steps))
 
     @property
+    def is_uniform(self) -> bool:
+        """True when all cells are equally long, up to rounding."""
+        return _is_uniform(self.steps)
+
+    @property
     def room(self) -> Array:
         """Shortest cell edge that ends at each plane ``(n + 1,)`` [m]."""
         return np.minimum(np.r_[self.steps[0], self.steps], np.r_[self.steps, self.steps[-1]])

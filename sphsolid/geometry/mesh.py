@@ -21,7 +21,8 @@ class Mesh:
     ``vertices (N, 3)`` [m]; ``cells (C, k)`` in the corner order of ``shape``; ``faces`` name ->
     ``(f, m)`` vertex loops, counter-clockwise seen from outside; ``spacing`` [m] the nominal
     distance of neighbouring vertices; ``is_lattice`` True when the vertices sit on a regular
-    axis-aligned grid of that spacing (per axis up to rounding to whole cells).
+    axis-aligned grid of that spacing (per axis up to rounding to whole cells), those of separate
+    parts perhaps each on its own.
     """
 
     vertices: Array

@@ -32,6 +32,7 @@ from sphsolid.geometry.mesh_defects import (
     right_handed,
 )
 from sphsolid.geometry.meshio_reading import read_gmsh, read_vtu
+from sphsolid.geometry.overlap import refuse_overlap
 
 Indices = NDArray[np.int64]
 
@@ -159,6 +160,7 @@ def reading(file: str, content: FileContent, metres: float) -> Reading:
     kind = HexMesh if shape is HEXAHEDRON else TetMesh
     cube = 1.0 if shape is HEXAHEDRON else 6.0
     mesh = kind(vertices, cells, faces, 1.0, is_lattice=False)
+    refuse_overlap(file, mesh)
     volume = math.fsum(cell_volumes_and_centroids(mesh)[0])
     return Reading(
         kind(vertices, cells, faces, math.cbrt(cube * volume / len(cells)), is_lattice=False),

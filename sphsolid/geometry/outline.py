@@ -16,7 +16,7 @@ from scipy.sparse.csgraph import connected_components
 
 from sphsolid.geometry.cell_shape import CORNERS
 from sphsolid.geometry.closed_surface import halves
-from sphsolid.geometry.facets import same_vertices
+from sphsolid.geometry.facets import cell_facets, same_vertices
 from sphsolid.geometry.inside import winding_numbers
 from sphsolid.geometry.mesh import Mesh
 
@@ -44,8 +44,16 @@ class Outline:
 
     @classmethod
     def of(cls, mesh: Mesh) -> Outline:
-        """The outline of a mesh."""
-        return cls(mesh, halves(mesh.boundary))
+        """The outline of a mesh: its tagged facets, or those of its cells where they do not close.
+
+        What is to be said about facets that lack, or are there twice, is not said here.
+        """
+        triangles = halves(mesh.boundary)
+        if mesh.fits_outline and not _is_closed(triangles):
+            facets = cell_facets(mesh.cells, mesh.shape)
+            number = same_vertices(facets)
+            triangles = halves(facets[np.bincount(number)[number] == 1])
+        return cls(mesh, triangles)
 
     @cached_property
     def hiding(self) -> Indices:
@@ -77,11 +85,14 @@ class Outline:
         a, b, c = (self.mesh.vertices[self.triangles[:, k]] for k in range(3))
         normal = np.cross(b - a, c - a)
         normal /= np.linalg.norm(normal, axis=1)[:, None]
-        length = np.linalg.norm(self.mesh.vertices[edges[one, 1]] - a[one // 3], axis=1)
+        along = self.mesh.vertices[edges[one, 1]] - self.mesh.vertices[edges[one, 0]]
+        length = np.linalg.norm(along, axis=1)
         # Corner k + 2 of a triangle is opposite its edge k.
         opposite = self.mesh.vertices[self.triangles[two // 3, (two % 3 + 2) % 3]]
         height = np.einsum("nd,nd->n", opposite - a[one // 3], normal[one // 3])
-        if np.any(height > _REENTRANT * length):
+        # Two facets back to back enclose nothing, or are the sides of a slit without width.
+        back = np.einsum("nd,nd->n", normal[one // 3], normal[two // 3]) < 0.0
+        if np.any(height > np.where(back, -_REENTRANT, _REENTRANT) * length):
             return False
         return self._pieces(one // 3, two // 3) == 1
 
@@ -133,6 +144,13 @@ class Outline:
     def windings(self, points: Array) -> Array:
         """How often the boundary goes round points ``(n, 3)``: once inside, twice in two parts."""
         return winding_numbers(points, self.mesh.vertices, self.triangles)
+
+
+def _is_closed(triangles: Indices) -> bool:
+    """Whether every edge is run through as often one way as the other."""
+    edges = triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2)
+    way = np.where(edges[:, 0] < edges[:, 1], 1.0, -1.0)
+    return not np.any(np.bincount(same_vertices(edges), weights=way))
 
 
 def _edges_of(corner: Array) -> Array:

@@ -22,6 +22,9 @@ from scipy.spatial import cKDTree
 
 from sphsolid.compiled import kernel, prange
 from sphsolid.errors import InputError, require
+from sphsolid.geometry.hidden import hidden_points
+from sphsolid.geometry.mesh import Mesh
+from sphsolid.geometry.outline import Outline
 from sphsolid.record.snapshot import PointField
 
 Array = NDArray[np.float64]
@@ -51,11 +54,16 @@ class Recovery:
             "number of spacings above 1; 2 and 3.5 are the defaults",
         )
 
-    def __call__(self, field: PointField, *, spacing: float) -> PointField:
+    def __call__(
+        self, field: PointField, *, spacing: float, mesh: Mesh | None = None
+    ) -> PointField:
         """The recovered field at the same points; ``spacing`` [m] of the points.
 
-        Exact for polynomials of ``degree``.  Raises ``InputError`` for values that are not finite
-        and where a patch does not determine its polynomial, naming the point and what to do.
+        With the ``mesh`` of the body (``Snapshot.mesh``) a patch ends where the body does: it
+        takes nothing from across a slot, a notch or a gap.  Exact for polynomials of ``degree``.
+
+        Raises ``InputError`` for values that are not finite and where a patch does not determine
+        its polynomial, naming the point and what to do.
         """
         require(
             np.isfinite(spacing) and spacing > 0.0,
@@ -70,10 +78,14 @@ class Recovery:
         )
         reach = self.radius * spacing
         near = cKDTree(field.X).query_ball_point(field.X, reach, return_sorted=True)
-        count = np.array([len(found) for found in near])
+        row = np.repeat(np.arange(len(near)), [len(found) for found in near])
+        indices = np.concatenate(near).astype(np.int64)
+        if mesh is not None:
+            seen = ~hidden_points(Outline.of(mesh), field.X, row, indices)
+            row, indices = row[seen], indices[seen]
+        count = np.bincount(row, minlength=len(near))
         self._refuse(count < _ENOUGH * _TERMS[self.degree], field.X)
         indptr = np.concatenate([[0], np.cumsum(count)])
-        indices = np.concatenate(near).astype(np.int64)
         shares = np.empty(len(indices))
         spread = np.empty(len(count))
         _shares(indptr, indices, field.X, field.V, reach, _TERMS[self.degree], shares, spread)

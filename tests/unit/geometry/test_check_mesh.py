@@ -276,3 +276,15 @@ def test_the_plate_is_graded_to_its_hole_and_stands_where_its_names_say(cell):
     assert 2500 <= len(mesh.vertices) <= 4500
     report = check_mesh(mesh)
     assert 2.0 < report.largest_spacing / report.smallest_spacing < 5.0
+
+
+def test_neighbours_across_a_gap_do_not_count():
+    """Two cubes a tenth of a spacing apart: each as alone, and the pairs between left out."""
+    cube = ((0, 0, 0), (1, 1, 1))
+    alone = check_mesh(Blocks((cube,)).mesh(0.25))
+    both = check_mesh(Blocks((cube, ((0, 0, 1.025), (1, 1, 2.025)))).mesh(0.25))
+    assert alone.left_out == 0
+    assert both.left_out > 100
+    assert both.neighbours == pytest.approx(alone.neighbours)
+    assert both.smallest_distance == pytest.approx(0.25)
+    assert f"left out     {both.left_out} pairs" in str(both)

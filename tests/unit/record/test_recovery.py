@@ -7,8 +7,8 @@ import pytest
 
 from sphsolid.compiled import set_threads, threads
 from sphsolid.errors import InputError
-from sphsolid.geometry import Box, TetBox
-from sphsolid.geometry.integrals import vertex_volumes
+from sphsolid.geometry import Blocks, Box, TetBox
+from sphsolid.geometry.integrals import cell_volumes_and_centroids, vertex_volumes
 from sphsolid.record import PointField, Recovery
 
 
@@ -82,3 +82,21 @@ def test_patches_that_determine_nothing_are_refused():
         Recovery()(PointField(X, V, X[:, 0]), spacing=0.0)
     with pytest.raises(InputError, match="not finite"):
         Recovery()(PointField(X, V, np.full(len(X), np.nan)), spacing=0.1)
+
+
+@pytest.mark.parametrize("at", ["particles", "cells"])
+def test_a_patch_takes_nothing_from_across_a_slot(at):
+    """One field on each prong of a fork: recovered as they are, where the mesh is given."""
+    prongs = (((1, 0, 0), (4, 2, 1.5)), ((1, 0, 2), (4, 2, 3.5)))
+    mesh = Blocks((((0, 0, 0), (1, 2, 3.5)), *prongs)).mesh(0.5)
+    X, V = mesh.vertices, vertex_volumes(mesh)
+    if at == "cells":
+        V, X = cell_volumes_and_centroids(mesh)
+    up = X[:, 2] > 1.75
+    values = np.where(up, 1.0, -1.0)
+    far = X[:, 0] > 3.0
+    recovery = Recovery(radius=2.6, degree=1)
+    blind = recovery(PointField(X, V, values), spacing=0.5).values
+    found = recovery(PointField(X, V, values), spacing=0.5, mesh=mesh).values
+    assert np.abs(blind - values)[far].max() > 0.02
+    np.testing.assert_allclose(found[far], values[far], atol=1e-12)
