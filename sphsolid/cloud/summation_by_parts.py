@@ -32,6 +32,7 @@ from numpy.typing import NDArray
 from sphsolid.cloud.consistent import least_change
 from sphsolid.cloud.gradient import offsets, row_sum
 from sphsolid.cloud.pairs.neighbours import PairList, transposed
+from sphsolid.cloud.pairs.parts import parts_of
 from sphsolid.cloud.skew_change import Multipliers, solve
 from sphsolid.cloud.skew_problem import SkewProblem
 from sphsolid.errors import InputError
@@ -76,7 +77,47 @@ def skew_gradient(
     ``share (P,)`` the smoothing function of every pair over its peak.  Raises ``InputError`` where
     no such gradient exists: where the body is too thin for its support, and where volumes and areas
     do not have the moments of one body.
+
+    Parts that share no pair are bodies by themselves: each has its own quadratics, which no
+    condition determines, and is solved alone.
     """
+    part = parts_of(pairs)
+    options = {"weight_exponent": weight_exponent, "epsilon": epsilon, "tolerance": tolerance}
+    made, iterations, remainder = np.empty_like(G), 0, 0.0
+    for number in range(int(part.max()) + 1):
+        mine = np.flatnonzero(part == number)
+        own, place = _own_pairs(pairs, mine)
+        found = _of_one_part(
+            G[place], own, X[mine], V[mine], areas[mine], scale[mine], share[place], **options
+        )
+        made[place] = found.G
+        iterations = max(iterations, found.iterations)
+        remainder = max(remainder, found.remainder)
+    return SkewGradient(made, iterations, remainder)
+
+
+def _own_pairs(pairs: PairList, mine: NDArray[np.int64]) -> tuple[PairList, NDArray[np.int64]]:
+    """The pairs of the particles ``mine``, renumbered, and where they stand in the list."""
+    number = np.full(pairs.rows, -1, dtype=np.int64)
+    number[mine] = np.arange(len(mine))
+    place = np.flatnonzero(number[pairs.row_of_pair] >= 0)
+    indptr = np.concatenate([[0], np.cumsum(np.diff(pairs.indptr)[mine])])
+    return PairList(indptr, number[pairs.indices[place]].astype(np.uint32)), place
+
+
+def _of_one_part(
+    G: Array,
+    pairs: PairList,
+    X: Array,
+    V: Array,
+    areas: Array,
+    scale: Array,
+    share: Array,
+    *,
+    weight_exponent: float,
+    epsilon: float,
+    tolerance: float,
+) -> SkewGradient:
     row = pairs.row_of_pair
     _, other = transposed(pairs, pairs.rows)
     C = V[row, None] * G
