@@ -1,4 +1,4 @@
-"""The first operator of a list that exists on a mesh: what a default does where the best does not."""
+"""The first operator of a list that exists on a mesh: a default where the best does not exist."""
 
 from __future__ import annotations
 

@@ -37,8 +37,8 @@ from sphsolid.compiled import kernel, prange
 Array = NDArray[np.float64]
 #: A residual that has grown this much says that there is no solution.
 HOPELESS = 1.0e8
-#: Iterations in which the residual must halve: ordinary clouds take 3 to 6 for that.
-PATIENCE = 100
+#: Iterations in which the residual must halve: ordinary clouds take 2 to 6 for that.
+PATIENCE = 200
 
 
 @dataclass(frozen=True)

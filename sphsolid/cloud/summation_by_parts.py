@@ -16,7 +16,8 @@ disordered clouds needs, while force and gradient stay each other's adjoint.  So
   it depart from ``V G`` for that: otherwise the gradient of a disordered cloud has an error
   ``O(dx)`` at every particle and so has the stress.
 
-The solver stops at a tolerance.  What it leaves of the rows is then removed row by row, and what
+The solver stops at a tolerance, small enough for one operator in every unit, mirror and library.
+What it leaves of the rows is then removed row by row, and what
 that leaves of D0 by the least change of ``consistent``: C0, C1 and D0 hold to round-off whatever
 the tolerance, and with them conservation of momentum and the patch test; ``C + C^T = B`` holds to
 the tolerance.
@@ -42,7 +43,7 @@ Array = NDArray[np.float64]
 LEAST_SHARE = 1.0e-3
 #: What the solver may leave of the row conditions, relative to what they were, before the pair is
 #: refused.
-MOST_LEFT = 1.0e-2
+MOST_LEFT = 1.0e-3
 #: What may lie where there is no solution.  A cylinder's walls leave 1.5e-5 (``boundary_weights``),
 #: volumes without the body's first moments 5e-3 and more.
 MOST_UNSOLVABLE = 1.0e-3
