@@ -35,6 +35,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from sphsolid.cloud.first_possible import Candidate
 from sphsolid.cloud.operator import Consistent, OperatorKind, SummationByParts
 from sphsolid.cloud.secondary import H1, SecondaryPoints
 from sphsolid.errors import InputError
@@ -53,6 +54,8 @@ Integrator = TVDRK2 | SSPRK3 | PositionVerlet
 H_OVER_DX_LATTICE = 0.77
 H_OVER_DX_DISORDERED = 0.9
 H_OVER_DX_BY_PARTS = 1.0
+#: Where nothing else can be built: second neighbours on all sides of flat cells.
+H_OVER_DX_WIDE = 1.3
 
 #: Poisson's ratio from which ``tau_p`` is used.
 NEARLY_INCOMPRESSIBLE = 0.49
@@ -96,6 +99,27 @@ def default_h_over_dx(mesh: Mesh, operator: OperatorKind) -> float:
         return H_OVER_DX_LATTICE
     by_parts = isinstance(operator, SummationByParts)
     return H_OVER_DX_BY_PARTS if by_parts else H_OVER_DX_DISORDERED
+
+
+def operator_candidates(
+    mesh: Mesh, operator: OperatorKind | None, h_over_dx: float | None
+) -> list[Candidate]:
+    """What to build, in the order of preference: one candidate where the operator is given.
+
+    By default a disordered cloud falls back on ``Consistent``, with a wider support at last.
+    """
+
+    def candidate(kind: OperatorKind) -> Candidate:
+        return Candidate(kind, default_h_over_dx(mesh, kind) if h_over_dx is None else h_over_dx)
+
+    if operator is not None:
+        return [candidate(operator)]
+    candidates = [candidate(default_operator(mesh))]
+    if not mesh.is_lattice:
+        candidates.append(candidate(Consistent()))
+        if h_over_dx is None:
+            candidates.append(Candidate(Consistent(), H_OVER_DX_WIDE))
+    return candidates
 
 
 def default_initial_strain(

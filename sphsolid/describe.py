@@ -32,6 +32,7 @@ def plan(sim: Simulation) -> str:
         + ("force and gradient adjoint" if c.is_adjoint else "not adjoint")
         + f"; {sim.consistency}; differs from the printed gradient by {c.change:.2g} of it, "
         + f"{c.iterations} iterations" + _why(sim),
+        *(f"refused        {tried}: {reason}" for tried, reason in sim.refused),
         "fields         p, x" + (", F" if f.evolves_F else " (F from the geometry)")
         + (", H" if f.evolves_H else " (H = cof F)")
         + (", J" if f.evolves_J else " (J = det F)"),

@@ -12,7 +12,8 @@ from typing import Literal as OneOf
 
 import numpy as np
 
-from sphsolid.cloud.cloud import build_cloud, build_secondary, consistency_report
+from sphsolid.cloud.cloud import build_secondary, consistency_report
+from sphsolid.cloud.first_possible import first_possible
 from sphsolid.cloud.operator import Consistent, Literal, OperatorKind, SummationByParts
 from sphsolid.cloud.secondary import default_secondary
 from sphsolid.cloud.smoothing import SmoothingFunction, WendlandC2
@@ -23,12 +24,11 @@ from sphsolid.continuum.wave_speed import reference_p_wave_speed
 from sphsolid.defaults import (
     Integrator,
     default_cfl,
-    default_h_over_dx,
     default_initial_strain,
     default_integrator,
-    default_operator,
     default_stabilisation,
     largest_stable_cfl,
+    operator_candidates,
 )
 from sphsolid.describe import memory_bytes, plan, summary
 from sphsolid.errors import InputError
@@ -158,18 +158,19 @@ class Simulation:
         _known("operator", operator, Literal, Consistent, SummationByParts)
         _known("angular_momentum", angular_momentum, LocalProjection, NoProjection)
         _known("initial_strain", initial_strain, Compatible, Given, Equilibrated)
-        self.operator: OperatorKind = default_operator(mesh) if operator is None else operator
-        h_over_dx = default_h_over_dx(mesh, self.operator) if h_over_dx is None else h_over_dx
         self.angular_momentum = (
             LocalProjection() if angular_momentum is None else angular_momentum
         )
-        self.h_over_dx = h_over_dx
-        self.cloud = build_cloud(
+        found = first_possible(
             mesh,
-            smoothing=WendlandC2() if smoothing is None else smoothing,
-            h_over_dx=h_over_dx,
-            operator=self.operator,
+            WendlandC2() if smoothing is None else smoothing,
+            operator_candidates(mesh, operator, h_over_dx),
         )
+        self.cloud = found.cloud
+        self.operator: OperatorKind = found.candidate.operator
+        self.h_over_dx = found.candidate.h_over_dx
+        #: Operators that the default tried before this one, and why each was refused.
+        self.refused = found.refused
         self.secondary = (
             build_secondary(
                 self.cloud,

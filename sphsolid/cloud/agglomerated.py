@@ -13,7 +13,7 @@ their neighbours and no cell becomes much larger than the others.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -68,11 +68,14 @@ class Agglomerated:
             0.1 <= self.per_particle <= 6.0,
             f"Agglomerated(per_particle={self.per_particle}) is outside [0.1, 6]",
         )
+        # About the middle, so that sums of moments keep their digits wherever the body lies.
+        middle = 0.5 * (mesh.vertices.min(axis=0) + mesh.vertices.max(axis=0))
+        mesh = replace(mesh, vertices=mesh.vertices - middle)
         volume, centroid = cell_volumes_and_centroids(mesh)
         group = clusters(mesh, self.per_particle)
         total: Array = np.bincount(group, weights=volume).astype(np.float64)
         moment = [np.bincount(group, weights=volume * x) for x in centroid.T]
-        return np.stack(moment, axis=1) / total[:, None], total
+        return middle + np.stack(moment, axis=1) / total[:, None], total
 
 
 def clusters(mesh: TetMesh, per_particle: float) -> Indices:

@@ -26,6 +26,8 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
 
 from sphsolid.geometry.integrals import area_vectors, boundary_mass
 from sphsolid.geometry.mesh import Mesh
@@ -35,11 +37,12 @@ Indices = NDArray[np.int64]
 _PAIRS = [(i, j) for i in range(4) for j in range(i, 4)]
 
 
-def _linears(X: Array) -> Array:
-    """``1, x, y, z`` in coordinates that run from -1 to 1 over the body ``(N, 4)``."""
-    low, high = X.min(axis=0), X.max(axis=0)
+def _linears(X: Array, chosen: Indices) -> Array:
+    """``1, x, y, z`` in coordinates that run from -1 to 1 over the chosen of ``X (N, 4)``."""
+    low, high = X[chosen].min(axis=0), X[chosen].max(axis=0)
     size = np.maximum(high - low, 1.0e-12 * np.max(high - low))
-    x = (2.0 * X - low - high) / size
+    # From the middle first: that difference is exact, wherever the body lies.
+    x = (X - 0.5 * (low + high)) * (2.0 / size)
     return np.concatenate([np.ones((len(x), 1)), x], axis=1)
 
 
@@ -67,46 +70,77 @@ def _least_norm(asked: Array, right: Array, kept: Array) -> Array:
 
 def quadratic_moments(mesh: Mesh) -> tuple[Array, Array]:
     """Quadratics ``q (N, 10)`` at the vertices and ``int_boundary q n dA (10, 3)``, exact."""
-    linear = _linears(mesh.vertices)
-    values = np.stack([linear[:, i] * linear[:, j] for i, j in _PAIRS], axis=1)
+    linear = _linears(mesh.vertices, np.arange(len(mesh.vertices)))
+    return _quadratics(linear), _exact(mesh, mesh.boundary, linear)
+
+
+def _quadratics(linear: Array) -> Array:
+    return np.stack([linear[:, i] * linear[:, j] for i, j in _PAIRS], axis=1)
+
+
+def _exact(mesh: Mesh, facets: Indices, linear: Array) -> Array:
     exact = np.empty((len(_PAIRS), 3))
-    for d, mass in enumerate(boundary_mass(mesh, mesh.boundary)):
+    for d, mass in enumerate(boundary_mass(mesh, facets)):
         table = linear.T @ (mass @ linear)
         exact[:, d] = [table[i, j] for i, j in _PAIRS]
-    return values, exact
+    return exact
 
 
 def quadratically_exact_areas(mesh: Mesh) -> dict[str, Array]:
     """``A_a N_a (N, 3)`` [m^2] of every tag: together exact for all quadratics on the boundary.
 
     ``sum_a A_a N_a`` and ``sum_a A_a N_a (x) X_a`` of each tag are those of its facets, so that
-    force and moment of a constant traction do not change.
+    force and moment of a constant traction do not change.  Each part of a body is one by itself.
     """
-    values, exact = quadratic_moments(mesh)
-    linear = _linears(mesh.vertices)
-    areas = {name: area_vectors(mesh, facets) for name, facets in mesh.faces.items()}
+    part = _parts(mesh)
+    areas = {name: np.zeros_like(mesh.vertices) for name in mesh.faces}
+    for number in range(int(part.max()) + 1):
+        facets = {
+            name: tagged[part[tagged[:, 0]] == number] for name, tagged in mesh.faces.items()
+        }
+        for name, area in _areas_of_part(mesh, facets, np.flatnonzero(part == number)).items():
+            areas[name] += area
+    return areas
+
+
+def _parts(mesh: Mesh) -> Indices:
+    """Number of the connected part ``(N,)`` that a vertex belongs to."""
+    size, corners = len(mesh.vertices), mesh.cells.shape[1]
+    first = np.repeat(mesh.cells[:, 0], corners - 1)
+    others = mesh.cells[:, 1:].ravel()
+    links = coo_array((np.ones(len(first), dtype=np.int8), (first, others)), shape=(size, size))
+    return np.asarray(connected_components(links, directed=False)[1], dtype=np.int64)
+
+
+def _areas_of_part(
+    mesh: Mesh, facets: dict[str, Indices], particles: Indices
+) -> dict[str, Array]:
+    """The areas of a part with the ``facets`` of every tag and these ``particles``."""
+    linear = _linears(mesh.vertices, particles)
+    values = _quadratics(linear)
+    exact = _exact(mesh, np.concatenate(list(facets.values())), linear)
+    areas = {name: area_vectors(mesh, tagged) for name, tagged in facets.items()}
     whole = np.sum(list(areas.values()), axis=0)
     # The change is A f with the least sum of A f^2; it lies along A, so that a plane keeps its
     # normal.  Unknowns sqrt(A) f, of all tags one after the other.
     total = float(np.sum(np.linalg.norm(whole, axis=1)))
-    count = sum(len(area) for area in areas.values())
-    kept, asked, roots = np.zeros((count, 12 * len(areas))), [], {}
+    sizes = {name: np.linalg.norm(area, axis=1) for name, area in areas.items()}
+    there = {name: np.flatnonzero(size > 0.0) for name, size in sizes.items()}
+    kept = np.zeros((sum(map(len, there.values())), 12 * len(areas)))
+    asked, roots = [], {}
     first = 0
     for k, (name, area) in enumerate(areas.items()):
-        size = np.linalg.norm(area, axis=1)[:, None]
+        at = there[name]
+        size = sizes[name][at, None]
         roots[name] = np.sqrt(size / total)
-        normal = np.divide(area, size, out=np.zeros_like(area), where=size > 0.0)
-        last = first + len(area)
-        kept[first:last, 12 * k : 12 * (k + 1)] = _products(linear, roots[name] * normal)
-        asked.append(_products(values, roots[name] * normal))
+        normal = area[at] / size
+        last = first + len(at)
+        kept[first:last, 12 * k : 12 * (k + 1)] = _products(linear[at], roots[name] * normal)
+        asked.append(_products(values[at], roots[name] * normal))
         first = last
     right = ((exact - values.T @ whole) / total).ravel()
     f = _least_norm(np.concatenate(asked), right, kept)
-    ends = np.cumsum([len(area) for area in areas.values()])[:-1]
-    changes = dict(zip(areas, np.split(f, ends), strict=True))
-    # Where the root is zero so is the area.
-    return {
-        name: area
-        * (1.0 + np.divide(changes[name][:, None], root, out=np.zeros_like(root), where=root > 0.0))
-        for name, area, root in ((name, areas[name], roots[name]) for name in areas)
-    }
+    ends = np.cumsum([len(at) for at in there.values()])[:-1]
+    for (name, at), change in zip(there.items(), np.split(f, ends), strict=True):
+        areas[name][at] *= 1.0 + change[:, None] / roots[name]
+    return areas

@@ -82,6 +82,11 @@ class Cloud:
         return self.mesh.spacing
 
     @property
+    def middle(self) -> Array:
+        """Middle of the box around the particles ``(3,)`` [m]."""
+        return np.asarray(0.5 * (self.X.min(axis=0) + self.X.max(axis=0)))
+
+    @property
     def size(self) -> int:
         """Number of primary particles."""
         return len(self.X)

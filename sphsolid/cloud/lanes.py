@@ -1,10 +1,10 @@
 """Four numbers side by side, which a kernel adds and multiplies in one instruction.
 
 The loops over the ten multipliers of a pair are too short for the compiler to use vector registers
-by itself.  ``Lanes`` is such a register as a number of its own: ``lanes_of`` reads one from a table
-``(N, m, 4)``, ``+``, ``-``, ``*`` act on each of the four, a float may stand on the left of ``*``,
-and ``set_lanes`` writes it back.  Every operation is that of IEEE arithmetic, one after the other as
-written: the bits are those of four loops.
+by itself.  ``Lanes`` is such a register as a number of its own: ``lanes_of`` reads one from a
+table ``(N, m, 4)``, ``+``, ``-``, ``*`` act on each of the four, a float may stand on the left of
+``*``, and ``set_lanes`` writes it back.  Every operation is that of IEEE arithmetic, one after the
+other as written: the bits are those of four loops.
 """
 
 from __future__ import annotations

@@ -11,7 +11,7 @@ from sphsolid.cloud.pairs.neighbours import PairList, pairs_of_lengths, pairs_wi
 from sphsolid.cloud.pairs.sight import Sight
 from sphsolid.geometry.cell_shape import CORNERS
 from sphsolid.geometry.integrals import local_spacing
-from sphsolid.geometry.mesh import HexMesh, Mesh
+from sphsolid.geometry.mesh import GridMesh, HexMesh, Mesh
 
 Array = NDArray[np.float64]
 #: Most that flat cells lengthen the spacing by: to reach the second neighbours sideways.
@@ -118,12 +118,15 @@ def widest_spacing(mesh: Mesh) -> Array:
 def lengths_of(mesh: Mesh, h_over_dx: float) -> Lengths:
     """``Uniform`` unless the spacing of the mesh varies by more than :data:`GRADED`.
 
-    On a disordered grid ``dx`` is its widest edge: the support must reach second neighbours along
-    every axis, or there is hardly a gradient that sums by parts.
+    On a disordered grid ``dx`` is its widest edge, on other hexahedra the mean of what
+    ``widest_spacing`` gives, which a flat cell's volume underrates: the support must reach second
+    neighbours along every axis, or there is hardly a gradient that sums by parts.
     """
     if mesh.is_lattice:
         return Uniform(mesh.spacing, h_over_dx)
     spacing = widest_spacing(mesh)
     if np.max(spacing) <= GRADED * np.min(spacing):
-        return Uniform(mesh.widest, h_over_dx)
+        flat = isinstance(mesh, HexMesh) and not isinstance(mesh, GridMesh)
+        widest = max(mesh.widest, float(np.mean(spacing))) if flat else mesh.widest
+        return Uniform(widest, h_over_dx)
     return Local(mesh.vertices, spacing, h_over_dx, Sight.within(mesh))

@@ -25,9 +25,8 @@ from sphsolid.cloud.splines.spline_space import coarse_splines
 from sphsolid.compiled import kernel, prange
 
 Array = NDArray[np.float64]
-#: The coarse grid is this many spacings wide.  Iterations on 17^3 with 1.7, 2, 2.5 and 3: 80, 121,
-#: 154 and 195; but with 1.7 the factor of 33^3 particles takes 125 MB and grows with the fifth
-#: power of what is taken off.
+#: The coarse grid is this many spacings wide.  Finer takes fewer iterations, but the factor grows
+#: with the fifth power of its functions along an axis: 125 MB on 33^3 particles.
 COARSE_SPACINGS = 1.7
 #: Small beside the sixth power of the longest wave number times that width.
 SHIFT = 1.0e-9

@@ -16,7 +16,8 @@ disordered clouds needs, while force and gradient stay each other's adjoint.  So
   it depart from ``V G`` for that: otherwise the gradient of a disordered cloud has an error
   ``O(dx)`` at every particle and so has the stress.
 
-The solver stops at a tolerance.  What it leaves of the rows is then removed row by row, and what
+The solver stops at a tolerance, small enough for one operator in every unit, mirror and library.
+What it leaves of the rows is then removed row by row, and what
 that leaves of D0 by the least change of ``consistent``: C0, C1 and D0 hold to round-off whatever
 the tolerance, and with them conservation of momentum and the patch test; ``C + C^T = B`` holds to
 the tolerance.
@@ -32,6 +33,7 @@ from numpy.typing import NDArray
 from sphsolid.cloud.consistent import least_change
 from sphsolid.cloud.gradient import offsets, row_sum
 from sphsolid.cloud.pairs.neighbours import PairList, transposed
+from sphsolid.cloud.pairs.parts import parts_of
 from sphsolid.cloud.skew_change import Multipliers, solve
 from sphsolid.cloud.skew_problem import SkewProblem
 from sphsolid.errors import InputError
@@ -41,7 +43,7 @@ Array = NDArray[np.float64]
 LEAST_SHARE = 1.0e-3
 #: What the solver may leave of the row conditions, relative to what they were, before the pair is
 #: refused.
-MOST_LEFT = 1.0e-2
+MOST_LEFT = 1.0e-3
 #: What may lie where there is no solution.  A cylinder's walls leave 1.5e-5 (``boundary_weights``),
 #: volumes without the body's first moments 5e-3 and more.
 MOST_UNSOLVABLE = 1.0e-3
@@ -76,7 +78,47 @@ def skew_gradient(
     ``share (P,)`` the smoothing function of every pair over its peak.  Raises ``InputError`` where
     no such gradient exists: where the body is too thin for its support, and where volumes and areas
     do not have the moments of one body.
+
+    Parts that share no pair are bodies by themselves: each has its own quadratics, which no
+    condition determines, and is solved alone.
     """
+    part = parts_of(pairs)
+    options = {"weight_exponent": weight_exponent, "epsilon": epsilon, "tolerance": tolerance}
+    made, iterations, remainder = np.empty_like(G), 0, 0.0
+    for number in range(int(part.max()) + 1):
+        mine = np.flatnonzero(part == number)
+        own, place = _own_pairs(pairs, mine)
+        found = _of_one_part(
+            G[place], own, X[mine], V[mine], areas[mine], scale[mine], share[place], **options
+        )
+        made[place] = found.G
+        iterations = max(iterations, found.iterations)
+        remainder = max(remainder, found.remainder)
+    return SkewGradient(made, iterations, remainder)
+
+
+def _own_pairs(pairs: PairList, mine: NDArray[np.int64]) -> tuple[PairList, NDArray[np.int64]]:
+    """The pairs of the particles ``mine``, renumbered, and where they stand in the list."""
+    number = np.full(pairs.rows, -1, dtype=np.int64)
+    number[mine] = np.arange(len(mine))
+    place = np.flatnonzero(number[pairs.row_of_pair] >= 0)
+    indptr = np.concatenate([[0], np.cumsum(np.diff(pairs.indptr)[mine])])
+    return PairList(indptr, number[pairs.indices[place]].astype(np.uint32)), place
+
+
+def _of_one_part(
+    G: Array,
+    pairs: PairList,
+    X: Array,
+    V: Array,
+    areas: Array,
+    scale: Array,
+    share: Array,
+    *,
+    weight_exponent: float,
+    epsilon: float,
+    tolerance: float,
+) -> SkewGradient:
     row = pairs.row_of_pair
     _, other = transposed(pairs, pairs.rows)
     C = V[row, None] * G

@@ -20,8 +20,18 @@ from sphsolid.geometry.mesh import Mesh
 Array = NDArray[np.float64]
 
 
+def _from_first(corners: Array) -> Array:
+    """Corners ``(e, k, 3)`` of cells or facets from the first: exact, wherever the body lies.
+
+    Slopes of shape functions add up to zero; of coordinates much larger than a cell they would do
+    so to the round-off of those coordinates only.
+    """
+    return corners - corners[:, :1]
+
+
 def _jacobians(mesh: Mesh, slopes: Array) -> Array:
-    return np.linalg.det(np.einsum("ecd,ck->edk", mesh.vertices[mesh.cells], slopes))
+    corners = _from_first(mesh.vertices[mesh.cells])
+    return np.linalg.det(np.einsum("ecd,ck->edk", corners, slopes))
 
 
 def vertex_volumes(mesh: Mesh) -> Array:
@@ -47,19 +57,20 @@ def vertex_volumes(mesh: Mesh) -> Array:
 
 def cell_volumes_and_centroids(mesh: Mesh) -> tuple[Array, Array]:
     """Cell volumes ``(C,)`` [m^3] and true centroids ``int X dV / V (C, 3)`` [m]."""
-    corners = mesh.vertices[mesh.cells]
+    first = mesh.vertices[mesh.cells[:, 0]]
+    corners = _from_first(mesh.vertices[mesh.cells])
     volume = np.zeros(len(corners))
     moment = np.zeros((len(corners), 3))
     for point in mesh.shape.cell_rule:
         share = point.weight * _jacobians(mesh, point.slopes)
         volume += share
         moment += share[:, None] * np.einsum("ecd,c->ed", corners, point.N)
-    return mesh.filling * volume, moment / volume[:, None]
+    return mesh.filling * volume, first + moment / volume[:, None]
 
 
 def _facet_area(corners: Array, slopes: Array) -> Array:
     """Area vectors per reference area ``(f, 3)`` at a point of facets ``(f, m, 3)``."""
-    tangents = np.einsum("fcd,ck->fkd", corners, slopes)
+    tangents = np.einsum("fcd,ck->fkd", _from_first(corners), slopes)
     return np.asarray(np.cross(tangents[:, 0], tangents[:, 1]))
 
 

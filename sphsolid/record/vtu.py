@@ -21,8 +21,10 @@ _GRID = b"<UnstructuredGrid>"
 
 
 def write_vtu(snapshot: Snapshot, path: str | Path) -> None:
-    """Write the background mesh at its present positions with all fields, in single precision.
+    """Write the background mesh at its present positions with all fields.
 
+    Positions, now and in the reference, are written in double precision: in single precision those
+    of a small body far from the origin would fall together.  All other fields are single.
     Points: ``X, u`` [m], ``v`` [m/s], ``p`` [kg/(m^2 s)], three components each.  ``F``, ``P`` and
     ``cauchy`` [Pa] (nine components, row by row), ``J``, ``pressure`` and ``von_mises`` [Pa] stand
     where the method evaluates the law: at the points for particles, in the cells for finite
@@ -36,16 +38,17 @@ def write_vtu(snapshot: Snapshot, path: str | Path) -> None:
         raise InputError(f"{target.name!r} does not end in .vtu, the one format that is written")
     if not target.parent.is_dir():
         raise InputError(f"cannot write {target}: the folder {target.parent} does not exist")
-    points = {"X": snapshot.X} | {name: snapshot.field(name).values for name in POINT_FIELDS}
+    points = {name: snapshot.field(name).values for name in POINT_FIELDS}
     law = {name: snapshot.field(name).values for name in LAW_FIELDS}
     at_points = len(snapshot.stress_X) == len(snapshot.X)
     if at_points:
         points |= law
     mesh = meshio.Mesh(
-        _single(snapshot.x),
+        np.ascontiguousarray(snapshot.x),
         # meshio and VTK number the corners of a cell as ``cell_shape`` does.
         [(snapshot.mesh.shape.vtk, snapshot.mesh.cells)],
-        point_data={name: _single(values) for name, values in points.items()},
+        point_data={"X": np.ascontiguousarray(snapshot.X)}
+        | {name: _single(values) for name, values in points.items()},
         cell_data={} if at_points else {name: [_single(values)] for name, values in law.items()},
     )
     with atomic(target) as part:

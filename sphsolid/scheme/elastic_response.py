@@ -57,8 +57,12 @@ def highest_frequency(rhs: RightHandSide) -> float:
     mu, kappa = moduli_at_rest(material)
     lam = first_lame(mu, kappa)
     mass = material.density * response.V
-    u = np.random.default_rng(0).uniform(-1.0, 1.0, rhs.cloud.X.shape)
-    rhs.essential.release(u)
+    # The force of a random pressure: it turns and mirrors with the body, and the estimate with it.
+    pressure = np.random.default_rng(0).uniform(-1.0, 1.0, rhs.cloud.size)
+    nothing = np.zeros_like(pressure)
+    u = response.force(
+        (pressure, nothing, nothing, nothing, pressure, nothing, nothing, nothing, pressure)
+    ) / mass
     omega2 = 0.0
     for _ in range(_ITERATIONS):
         norm = math.sqrt(float(np.sum(mass * u * u)))

@@ -47,7 +47,7 @@ def equilibrated(rhs: RightHandSide, x: Array, stated: Array) -> Array:
     moved = x.copy()
     first = 0.0
     for _ in range(_MOST_STEPS):
-        F = problem.gradient(moved)
+        F = problem.gradient(moved - rhs.cloud.middle)
         if np.max(np.abs(join(F) - stated)) <= _SAME:
             return moved
         lack = problem.force(tuple(s - p for s, p in zip(target, _piola(rhs, F), strict=True)))

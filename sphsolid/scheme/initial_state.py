@@ -32,11 +32,11 @@ def initial_state(scene: Scene, rhs: RightHandSide, strain: InitialStrain) -> St
     if isinstance(strain, Given):
         F[:] = _stated(scene, cloud)
     else:
-        rhs.kinematic_gradient(x, 1.0, F)
+        rhs.deformation_gradient(x, F)
         if isinstance(strain, Equilibrated):
             _check(scene, cloud, F)
             x = equilibrated(rhs, x, _stated(scene, cloud))
-            rhs.kinematic_gradient(x, 1.0, F)
+            rhs.deformation_gradient(x, F)
     _check(scene, cloud, F)
     entries = split(F)
     state.p[:], state.x[:] = p, x

@@ -196,4 +196,4 @@ class PositionVerletStepper(Stepper):
             )  # fmt: skip
         moved(state.x, a / density, (0.5, 0.5), state.p, state.p, state.x)
         if not f.evolves_F:
-            rhs.kinematic_gradient(state.x, 1.0, state.F)
+            rhs.deformation_gradient(state.x, state.F)

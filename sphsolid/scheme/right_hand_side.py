@@ -122,6 +122,8 @@ class RightHandSide:
         self._inertia = vector_field(n if has_tau_p else 0)
         self.flux = vector_field(m if has_tau_p else 0)
         self.scratch = make_scratch()
+        self._arms = vector_field(n)
+        self._middle = cloud.middle
         supg = stabilisation if isinstance(stabilisation, SUPG) else None
         self.is_self_adjoint = supg is not None and supg.is_self_adjoint
         #: The rate of ``F`` that is interpolated to ``q``; without projection that is ``rates.F``.
@@ -133,6 +135,18 @@ class RightHandSide:
     def kinematic_gradient(self, f: Array, factor: float, out: Array) -> None:
         """``out_a = factor sum_b f_b (x) G_b(X_a)`` with the kinematic gradient."""
         self._gradient(self.cloud.kinematic, f, factor, out)
+
+    def deformation_gradient(self, x: Array, out: Array) -> None:
+        """``F = sum_b x_b (x) G_b(X_a)`` of positions ``x (N, 3)`` [m]."""
+        self._gradient(self.cloud.kinematic, self._arms_of(x), 1.0, out)
+
+    def _arms_of(self, x: Array) -> Array:
+        """Positions from the middle of the body ``(N, 3)`` [m].
+
+        ``sum_b G_b`` is zero to round-off, which positions far from the origin would multiply.
+        """
+        np.subtract(x, self._middle, out=self._arms)
+        return self._arms
 
     def force_gradient(self, f: Array, factor: float, out: Array) -> None:
         """The same with the gradient whose adjoint makes the force."""
@@ -163,7 +177,7 @@ class RightHandSide:
         uses, with the gradient whose adjoint makes the force.
         """
         f, cloud, rates = self.formulation, self.cloud, self.rates
-        x = components(as_field(geometry))
+        x = components(self._arms_of(geometry))
         p, F, H, J = state.rows()
         Fdot, P, pdot = components(rates.F), components(self.P), components(rates.p)
         galerkin.coarse(
@@ -189,7 +203,7 @@ class RightHandSide:
         q = self.secondary
         assert q is not None
         fine_scale.subtract_back(
-            q.spreading, self.cloud.force, self.projects, components(as_field(geometry)),
+            q.spreading, self.cloud.force, self.projects, components(self._arms_of(geometry)),
             components(self.P_fine), components(P), self.scratch,
         )  # fmt: skip
 

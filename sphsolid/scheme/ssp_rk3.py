@@ -100,4 +100,4 @@ class SSPRK3Stepper(Stepper):
 
     def _take_geometry(self, x: Array) -> None:
         if not self.rhs.formulation.evolves_F:
-            self.rhs.kinematic_gradient(x, 1.0, self.state.F)
+            self.rhs.deformation_gradient(x, self.state.F)

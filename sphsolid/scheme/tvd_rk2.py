@@ -57,7 +57,7 @@ class TVDRK2Stepper(Stepper):
 
         if not rhs.formulation.evolves_F:
             moved(state.x, step, (0.5, 0.5), p_start, p_start, self._x_star)
-            rhs.kinematic_gradient(self._x_star, 1.0, state.F)
+            rhs.deformation_gradient(self._x_star, state.F)
         moved(state.x, step, (0.5, 0.5), p_start, state.p, state.x)
 
         rhs.evaluate(state, state.x, t + dt)
@@ -65,4 +65,4 @@ class TVDRK2Stepper(Stepper):
         stages.convex(0.5, dt)
         self.account.impose(self.essential, state, t + dt, 1.0)
         if not rhs.formulation.evolves_F:
-            rhs.kinematic_gradient(state.x, 1.0, state.F)
+            rhs.deformation_gradient(state.x, state.F)

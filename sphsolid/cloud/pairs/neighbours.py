@@ -13,6 +13,9 @@ from scipy.sparse import csr_array
 from scipy.spatial import cKDTree
 
 Array = NDArray[np.float64]
+#: A support ends this share before its radius.  Pairs at its very edge, as many of a lattice are,
+#: have weight zero: round-off, that of positions far from the origin too, must not let some in.
+EDGE = 1.0e-6
 
 
 @dataclass(frozen=True)
@@ -49,9 +52,7 @@ class PairList:
 
 def pairs_within(points: Array, particles: Array, radius: float) -> PairList:
     """Particles strictly nearer than ``radius`` [m] to each point, in ascending order."""
-    # The pairs at the very edge of the support have weight zero; a relative shrink keeps
-    # round-off from letting some of them in and others not.
-    reach = radius * (1.0 - 1.0e-10)
+    reach = radius * (1.0 - EDGE)
     coo = cKDTree(points).sparse_distance_matrix(
         cKDTree(particles), reach, output_type="coo_matrix"
     )
@@ -81,7 +82,7 @@ def pairs_of_lengths(
     ).astype(np.int64)
     distance = np.linalg.norm(points[row] - particles[column], axis=1)
     radius = 0.5 * (reach[row] + particle_reach[column])
-    near = distance < radius * (1.0 - 1.0e-10)
+    near = distance < radius * (1.0 - EDGE)
     matrix = csr_array(
         (np.ones(int(near.sum()), dtype=np.int8), (row[near], column[near])),
         shape=(len(points), len(particles)),
