@@ -146,4 +146,4 @@ class PositionWatch:
 
 
 def _percent(share: float) -> str:
-    return f"{100.0 * share:.2g} %"
+    return f"{float(f'{100.0 * share:.2g}'):g} %"
