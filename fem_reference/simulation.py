@@ -39,6 +39,10 @@ Array = NDArray[np.float64]
 DEFAULT_ELEMENT = BBarHex()
 
 
+#: Steps between two looks at the positions: one takes as long as two or three steps.
+LOOK_EVERY = 200
+
+
 class Simulation:
     """Explicit finite elements on ``scene``, with the surface of ``sphsolid.Simulation``.
 
@@ -70,7 +74,7 @@ class Simulation:
         self.element = element
         self.cfl = cfl
         #: What was seen of the positions: see ``sphsolid.record.positions``.
-        self.positions = PositionWatch()
+        self.positions = PositionWatch(every=LOOK_EVERY)
         self.time = 0.0
         self.step = 0
         edge = spacing if isinstance(spacing, AsMeshed) else element.cell_size(spacing)

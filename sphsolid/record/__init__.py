@@ -3,7 +3,6 @@
 from sphsolid.record.balance import Balance, NotTracked
 from sphsolid.record.checkpoint import restore, write_checkpoint
 from sphsolid.record.history import History, read_history
-from sphsolid.record.turned_cells import InsideOut, inside_out, inside_out_secondary
 from sphsolid.record.ledger import EnergyLedger, MomentumDrift, Reactions
 from sphsolid.record.march import march
 from sphsolid.record.norms import instant_errors, l2_norm, period_errors
@@ -29,6 +28,7 @@ from sphsolid.record.recovery import Recovery
 from sphsolid.record.run_folder import RunFolder
 from sphsolid.record.snapshot import PointField, Snapshot
 from sphsolid.record.solver import Solver
+from sphsolid.record.turned_cells import InsideOut, inside_out, inside_out_secondary
 from sphsolid.record.unseen_pairs import UnseenMotion, unseen_motion
 from sphsolid.record.vtu import write_vtu
 
