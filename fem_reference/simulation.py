@@ -46,6 +46,10 @@ Array = NDArray[np.float64]
 DEFAULT_ELEMENT = BBarHex()
 
 
+#: Steps between two looks at the positions: one takes as long as two or three steps.
+LOOK_EVERY = 200
+
+
 class Simulation:
     """Explicit finite elements on ``scene``, with the surface of ``sphsolid.Simulation``.
 
@@ -81,7 +85,7 @@ class Simulation:
         self.element = element
         self.cfl = cfl
         #: What was seen of the positions: see ``sphsolid.record.positions``.
-        self.positions = PositionWatch()
+        self.positions = PositionWatch(every=LOOK_EVERY)
         self.time = 0.0
         self.step = 0
         if not isinstance(spacing, AsMeshed):

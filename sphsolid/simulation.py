@@ -81,6 +81,9 @@ from sphsolid.scheme.stabilisation import SUPG, Stabilisation, check_formulation
 from sphsolid.scheme.time_step import TimeStep, check_cfl
 from sphsolid.scheme.tvd_rk2 import TVDRK2
 
+#: Steps between two looks at the positions: one takes about as long as a step.
+LOOK_EVERY = 50
+
 
 def _known(name: str, option: object, *kinds: type) -> None:
     if option is not None and not isinstance(option, kinds):
@@ -201,7 +204,7 @@ class Simulation:
         self._watch = MomentumWatch(np.zeros((2, 3)))
         self._start_energy = np.zeros(())
         #: What was seen of the positions: see ``record.positions``.
-        self.positions = PositionWatch()
+        self.positions = PositionWatch(every=LOOK_EVERY)
         self.time = 0.0
         self.step = 0
         self.setup_seconds = clock.perf_counter() - started

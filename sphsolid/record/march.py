@@ -27,8 +27,6 @@ from sphsolid.record.solver import Solver
 SAME = 1e-9
 #: Column from which a resumed run knows the energy that it began with.
 TOTAL_ENERGY = "total_energy [J]"
-#: Steps between two looks at the positions.
-LOOK_EVERY = 50
 _OURS = ("sphsolid", "fem_reference")
 
 
@@ -56,9 +54,9 @@ def march(
     ahead, ``Diverged`` when the solution is lost; the history so far is attached to that exception,
     and to ``KeyboardInterrupt``, as ``history``.
 
-    Positions are judged at the start, at records, at the end and every :data:`LOOK_EVERY` steps
-    (see ``positions``); the first time that they are folded a ``FoldingWarning`` says so, and the
-    run goes on.
+    Positions are judged at the start, at records, at the end and every ``solver.positions.every``
+    steps (see ``positions``); the first time that they are folded a ``FoldingWarning`` says so, and
+    the run goes on.
     """
     check_times(until, every)
     record = checked_recorders(record)
@@ -180,7 +178,7 @@ class _Run:
             self._pace.stepped(solver.time, solver.step, dt)
             if steps == 1:
                 return
-            if solver.step % LOOK_EVERY == 0:
+            if solver.step % solver.positions.every == 0:
                 self._judge()
             interrupt.check()
 
@@ -188,7 +186,7 @@ class _Run:
 def _warn(solver: Solver, verdict: PositionVerdict) -> None:
     warnings.warn(
         f"{solver.name}: the positions have folded, found at t = {solver.time:.4g} s, step "
-        f"{solver.step}: {'; '.join(verdict.reasons)}. The run goes on, but what it gives from here "
+        f"{solver.step}: {'; '.join(verdict.reasons)}. The run goes on, but what it gives from now "
         "on is of no use, however sound its stresses and Jacobians look: compare with the finite "
         "elements of fem_reference, or take a finer spacing",
         FoldingWarning,

@@ -12,7 +12,7 @@ T = TypeVar("T")
 
 
 class PerMesh(Generic[T]):
-    """``make(mesh)``, once a mesh: by identity, since meshes have no hash, and without owning it."""
+    """``make(mesh)``, once a mesh, which it does not own; by identity, as meshes have no hash."""
 
     def __init__(self, make: Callable[[Mesh], T]) -> None:
         self._make = make

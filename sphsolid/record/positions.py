@@ -101,9 +101,14 @@ class Positions:
 
 
 class PositionWatch:
-    """What a solver remembers of its positions: the latest verdict, and when they first folded."""
+    """What a solver remembers of its positions: the latest verdict, and when they first folded.
 
-    def __init__(self) -> None:
+    A run looks at them ``every`` so many steps, besides records: a look should cost little beside
+    the steps between two.
+    """
+
+    def __init__(self, *, every: int) -> None:
+        self.every = every
         #: Time [s] of the first look that found them folded, nan while none did.
         self.folded_since = math.nan
         self._latest: tuple[float, PositionVerdict] | None = None
@@ -141,4 +146,4 @@ class PositionWatch:
 
 
 def _percent(share: float) -> str:
-    return f"{100.0 * share:.2g} %"
+    return f"{float(f'{100.0 * share:.2g}'):g} %"

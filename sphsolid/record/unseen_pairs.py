@@ -63,7 +63,7 @@ def unseen_motion(snapshot: Placed) -> UnseenMotion:
 
 @dataclass(frozen=True)
 class _Pairs:
-    """``e / |X_b - X_a|`` of every edge as one matrix ``(E, N)``; ``weight (E,)`` adds up to one."""
+    """``e / |X_b - X_a|`` of every edge as a matrix ``(E, N)``; ``weight (E,)`` adds up to one."""
 
     unseen: csr_array
     weight: Array

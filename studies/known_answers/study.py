@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Sequence
+from typing import Any
 
 import pandas as pd
 
@@ -78,7 +79,7 @@ def tables(rows: list[Row]) -> Tables:
 
 def verdicts(results: Tables) -> pd.DataFrame:
     """What was asked of the answers, and whether it is met; not by runs that folded."""
-    rows = []
+    rows: list[tuple[Any, ...]] = []
     orders, cable = results["table"], results["cable"]
     for (load, method), found in orders.groupby(["load", "method"], sort=False):
         last = found.set_index("field")["order_last"]

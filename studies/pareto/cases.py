@@ -19,6 +19,7 @@ from studies.pareto.scenes import (
     stress_size,
     timed,
 )
+from studies.report.folding import folding
 
 Row = dict[str, Any]
 
@@ -68,7 +69,7 @@ def _errors(
     row |= {
         "particles": len(sim.snapshot().X), "steps": sim.step, "end_time": sim.time,
         "error_run_cpu_s": time.process_time() - started,
-    }  # fmt: skip
+    } | folding(sim)  # fmt: skip
     return row, instants
 
 

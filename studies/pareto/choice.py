@@ -4,7 +4,7 @@ Methods are compared at equal particles, on the finest lattice that all of them 
 whose error is within :data:`WITHIN` of the best *in every measure* may be chosen; of these the
 cheapest in CPU seconds per physical second is, and where costs are within :data:`SAME_COST` the
 one that holds fewer bytes.  Differences below the uncertainty of the reference do not count: it is
-added to all errors.  A method that was lost or made energy is no choice.
+added to all errors.  A method that was lost, folded or made energy is no choice.
 """
 
 from __future__ import annotations
@@ -14,6 +14,7 @@ import pandas as pd
 
 from studies.pareto.methods import CANDIDATES
 from studies.pareto.scenes import COLUMN, CUBE
+from studies.report.folding import sound
 
 WITHIN = 0.10
 #: Timings of a shared machine tell no less apart.
@@ -47,8 +48,8 @@ def error_ratios(table: pd.DataFrame) -> pd.DataFrame:
             unsure = runs.get(f"{measure}_uncertainty", pd.Series(0.0, runs.index)).fillna(0.0)
             size = runs[measure] + unsure
             worst = np.maximum(worst, size / size.min())
-        sound = runs["survived"].astype(bool) & ~(runs["energy_kept"] > 1.0 + ENERGY_MADE)
-        for row, ratio, good in zip(runs.itertuples(), worst, sound, strict=True):
+        usable = sound(runs) & ~(runs["energy_kept"] > 1.0 + ENERGY_MADE)
+        for row, ratio, good in zip(runs.itertuples(), worst, usable, strict=True):
             rows.append(
                 {
                     "scene": scene, "nu": nu, "method": row.method,

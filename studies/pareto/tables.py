@@ -12,6 +12,7 @@ from studies.pareto.methods import COMPARED, OPTIONS, PLAIN
 from studies.pareto.reference import column_errors, reference
 from studies.pareto.scenes import CUBE
 from studies.pareto.verdicts import ratios
+from studies.report import folding
 
 Row = dict[str, Any]
 RUN = ["nu", "method", "cells"]
@@ -19,7 +20,8 @@ RUN = ["nu", "method", "cells"]
 COLUMNS = [
     "scene", "nu", "method", "cells", "family", "formulation", "stabilisation", "projection",
     "integrator", "particles", "steps", "evaluations_per_step", "evaluations", "end_time",
-    "survived", "reason", "momentum", "stress", "stress_size", "twist_rms", "twist_end", "energy",
+    "survived", "reason", *folding.COLUMNS, "momentum", "stress", "stress_size", "twist_rms",
+    "twist_end", "energy",
     "energy_kept", "twist_rms_uncertainty", "twist_end_uncertainty", "cpu_s_per_s",
     "cpu_s_per_s_worst", "step_cpu_s", "step_cpu_spread", "ns_per_particle_step", "repeats",
     "window_steps", "setup_cpu_s", "error_run_cpu_s", "bytes", "bytes_per_particle", "pairs",

@@ -70,7 +70,7 @@ def claims(tables: Tables) -> list[Verdict]:
 def _unless_folded(one: Verdict, runs: pd.DataFrame) -> Verdict:
     """The verdict, or that the claim does not hold, with the runs that folded."""
     bad = runs[has_folded(runs)]
-    if len(bad) == 0 or one.verdict == UNDECIDED:
+    if len(bad) == 0:
         return one
     names = ", ".join(
         f"{run.label} {lattice(int(run.cells))} at {1e3 * run.folded_at:.0f} ms"

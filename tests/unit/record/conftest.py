@@ -48,7 +48,7 @@ class FakeSolver:
         self.scene = swinging_cube() if scene is None else scene
         self.time = 0.0
         self.step = 0
-        self.positions = PositionWatch()
+        self.positions = PositionWatch(every=2)
         self.steps = []
         self.name = "fake"
         self.x = CUBE.vertices.copy()

@@ -282,7 +282,7 @@ def made_up_table() -> pd.DataFrame:
                 row = dict.fromkeys(COLUMNS, float("nan")) | dict(method.setting)
                 row |= {"scene": scene, "nu": 0.3, "method": label, "family": method.family,
                         "particles": particles, "survived": True, "cpu_s_per_s": 1.0,
-                        "bytes": 1e5, "energy_kept": 0.99}  # fmt: skip
+                        "bytes": 1e5, "energy_kept": 0.99, "folded": False}  # fmt: skip
                 row |= dict.fromkeys(MEASURES[scene], error) | {"twist_rms_uncertainty": 0.0}
                 rows.append(row)
     return pd.DataFrame(rows)
@@ -305,8 +305,8 @@ def test_all_scenes_must_agree_on_the_error():
     assert found.loc["all", "formulation"] == "{p,F,J}"
 
 
-def test_energy_that_is_made_and_lost_runs_are_no_choice():
-    for column, value in (("energy_kept", 1.2), ("survived", False)):
+def test_energy_that_is_made_and_lost_and_folded_runs_are_no_choice():
+    for column, value in (("energy_kept", 1.2), ("survived", False), ("folded", True)):
         table = made_up_table()
         table.loc[table["method"].str.startswith("{p,F,J} H1"), column] = value
         assert "{p,F,J}" not in set(

@@ -174,6 +174,7 @@ def made_up() -> dict[str, pd.DataFrame]:
         for cells in (3, 4, 5, 10, *((16,) if label == FEM else ())):
             row = dict.fromkeys(COLUMNS, 0.0) | dict(method)
             row |= {"label": label, "cells": cells, "cfl": cfl, "nu": 0.495, "survived": True}
+            row |= {"folded": False, "folded_at": math.nan}
             row |= {f"twist_{ms}": outside.twist(ms).value for ms in outside.INSTANTS}
             row |= {"corners_100": outside.corners(), "energy_kept": 0.99, "rest_largest": 3e-4}
             row |= {f"{kind}_mean_{s}": 1e4 * s for kind in ("pressure", "reference")
