@@ -34,7 +34,7 @@ from sphsolid.geometry.mesh import Mesh
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
-#: Singular values below this share of the largest are those of conditions that depend on each other.
+#: Singular values below this share of the largest belong to conditions that depend on each other.
 #: Far from the origin a plane is flat to the round-off of its positions only: 1e-10 of a metre at
 #: 1e6 m.  Taken for conditions of their own, such bumps would change the areas by chance.
 _DEPENDENT = 1.0e-8
