@@ -34,6 +34,10 @@ from sphsolid.geometry.mesh import Mesh
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
+#: Singular values below this share of the largest belong to conditions that depend on each other.
+#: Far from the origin a plane is flat to the round-off of its positions only: 1e-10 of a metre at
+#: 1e6 m.  Taken for conditions of their own, such bumps would change the areas by chance.
+_DEPENDENT = 1.0e-8
 _PAIRS = [(i, j) for i in range(4) for j in range(i, 4)]
 
 
@@ -59,12 +63,12 @@ def _least_norm(asked: Array, right: Array, kept: Array) -> Array:
     where they hold.
     """
     basis, sizes, _ = np.linalg.svd(kept, full_matrices=False)
-    basis = basis[:, sizes > 1.0e-12 * sizes[0]]
+    basis = basis[:, sizes > _DEPENDENT * sizes[0]]
     free = asked - basis @ (basis.T @ asked)
     f = np.zeros(len(asked))
     # The second time takes what round-off left of the first.
     for _ in range(2):
-        f += np.linalg.lstsq(free.T, right - free.T @ f, rcond=1.0e-10)[0]
+        f += np.linalg.lstsq(free.T, right - free.T @ f, rcond=_DEPENDENT)[0]
     return np.asarray(f - basis @ (basis.T @ f))
 
 

@@ -28,7 +28,7 @@ _VECTOR = ir.VectorType(ir.DoubleType(), WIDTH)
 _INDEX = ir.IntType(32)
 
 
-class LanesType(types.Type):  # type: ignore[misc]
+class LanesType(types.Type):
     """The type of ``Lanes`` inside kernels; there is none outside."""
 
     def __init__(self) -> None:
@@ -39,7 +39,7 @@ LANES = LanesType()
 
 
 @register_model(LanesType)
-class _LanesModel(models.PrimitiveModel):  # type: ignore[misc]
+class _LanesModel(models.PrimitiveModel):
     def __init__(self, manager: Any, kind: Any) -> None:
         super().__init__(manager, kind, _VECTOR)
 
@@ -54,7 +54,7 @@ def _spread(builder: Any, value: Any) -> Any:
 
 def _arithmetic(symbol: Any, instruction: str) -> None:
     @infer_global(symbol)
-    class _Template(AbstractTemplate):  # type: ignore[misc]
+    class _Template(AbstractTemplate):
         def generic(self, args: Any, kws: Any) -> Any:
             if len(args) == 2 and args[1] == LANES and args[0] in (LANES, types.float64):
                 return signature(LANES, *args)
@@ -90,7 +90,7 @@ def _is_table(table: Any) -> bool:
     return bool(table.ndim == 3 and table.layout == "C" and table.dtype == types.float64)
 
 
-@intrinsic  # type: ignore[untyped-decorator]
+@intrinsic
 def lanes_of(typingctx, table, row, column):  # type: ignore[no-untyped-def]
     """``table[row, column, :]`` of a contiguous ``(N, m, 4)``."""
     if not _is_table(table):
@@ -104,7 +104,7 @@ def lanes_of(typingctx, table, row, column):  # type: ignore[no-untyped-def]
     return LANES(table, row, column), generate
 
 
-@intrinsic  # type: ignore[untyped-decorator]
+@intrinsic
 def set_lanes(typingctx, table, row, column, value):  # type: ignore[no-untyped-def]
     """``table[row, column, :] = value`` of a contiguous ``(N, m, 4)``."""
     if not _is_table(table):
@@ -118,7 +118,7 @@ def set_lanes(typingctx, table, row, column, value):  # type: ignore[no-untyped-
     return types.none(table, row, column, value), generate
 
 
-@intrinsic  # type: ignore[untyped-decorator]
+@intrinsic
 def no_lanes(typingctx):  # type: ignore[no-untyped-def]
     """Four zeros."""
 

@@ -25,7 +25,7 @@ def test_the_first_that_exists_is_taken_without_a_word() -> None:
 
 
 def test_a_fallback_is_said_once_with_its_reason() -> None:
-    with pytest.warns(UserWarning, match=r"Consistent with h_over_dx = 0.9 is used instead") as said:
+    with pytest.warns(UserWarning, match=r"Consistent with h_over_dx = 0.9 is used inst") as said:
         found = first_possible(MESH, sph.WendlandC2(), [NONE, NONE, GOOD])
     assert len(said) == 1
     assert found.candidate == GOOD

@@ -1,4 +1,4 @@
-"""The same body in another unit, mirrored, turned, renumbered or far away has the same operators."""
+"""One body in another unit, mirrored, turned, renumbered or far away has the same operators."""
 
 from __future__ import annotations
 

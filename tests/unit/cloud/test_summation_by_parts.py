@@ -14,6 +14,7 @@ import sphsolid as sph
 from sphsolid.cloud import Cloud, build_cloud, consistency_report
 from sphsolid.cloud import operator as operators
 from sphsolid.cloud.boundary_weights import quadratic_moments, quadratically_exact_areas
+from sphsolid.cloud.lengths import Uniform
 from sphsolid.cloud.skew_change import solve
 from sphsolid.cloud.skew_problem import SkewProblem, in_lanes
 from sphsolid.compiled import set_threads, threads
@@ -282,3 +283,17 @@ def test_it_is_the_default_except_on_a_lattice() -> None:
     assert chosen.operator == sph.SummationByParts()
     assert "SummationByParts" in str(chosen.plan())
     assert isinstance(chosen.operator, operators.SummationByParts)
+
+
+def test_what_is_hopeless_is_recognised_early() -> None:
+    """Two bodies in one system, pushed apart: no solution, and not a quadratic of the whole."""
+    X = Box(jitter=0.3, seed=2).mesh(0.25).vertices / 0.25
+    n = len(X)
+    X = np.concatenate([X, X + [40.0, 0.0, 0.0]])
+    pairs = Uniform(1.0, 1.0).pairs(X, X, sph.WendlandC2().support)
+    problem = SkewProblem(pairs, X, np.ones(pairs.pairs), np.full(2 * n, 0.02))
+    right = np.zeros((2 * n, 10, 3))
+    right[:, 0] = np.sin(np.arange(2 * n))[:, None]
+    found = solve(problem, right, tolerance=1e-10, most_iterations=5000)
+    assert found.remainder > 1e-6
+    assert found.iterations < 600
