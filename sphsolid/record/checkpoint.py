@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sphsolid.compiled import KERNEL_HASH, description
+from sphsolid.continuum.law_registry import in_kernels
 from sphsolid.errors import InputError
 from sphsolid.geometry.mesh import Mesh
 from sphsolid.paths import path_of
@@ -192,6 +193,8 @@ def common_identity(scene: Scene, mesh: Mesh, V: Array) -> dict[str, str]:
     return {
         "scene": scene.name,
         "material": repr(scene.material),
+        # The text of a law of the user's own, by its hash.
+        "law": type(in_kernels(scene.material)).__name__,
         "constraints": ", ".join(held) or "none",
         "loads": ", ".join(loaded) or "none",
         "points": _hash(mesh.vertices, V),
