@@ -21,6 +21,7 @@ from sphsolid.record.recorders import (
     Errors,
     LinearMomentum,
     Probe,
+    Recorder,
     angular_momentum,
     linear_momentum,
 )
@@ -57,6 +58,7 @@ __all__ = [
     "Progress",
     "ProgressLine",
     "Reactions",
+    "Recorder",
     "Recovery",
     "RunFolder",
     "SecondaryGradient",

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sphsolid.errors import Diverged
-from sphsolid.record import EnergyLedger, History, Snapshot, Solver, march
+from sphsolid.record import EnergyLedger, History, Positions, Snapshot, Solver, march
 from sphsolid.record.recorders import Recorder
 from sphsolid.scenes import Scene
 from studies.report.indicators import pressure_noise, twist_of_top
@@ -110,7 +110,7 @@ def run_to_end(solver: Simulation, *recorders: Recorder) -> tuple[History, dict[
     try:
         history = march(
             cast(Solver, Watched(solver)), until=until, every=until / RECORDS,
-            record=[EnergyLedger(), Health(), *recorders],
+            record=[EnergyLedger(), Health(), Positions(), *recorders],
         )  # fmt: skip
     except Diverged as end:
         history = end.history  # type: ignore[attr-defined]
