@@ -18,7 +18,8 @@ from studies.stability.waves import WAVE_CLAIMS
 
 _FORMATS = {
     "energy_kept": ".3f", "energy_gain": ".1e", "energy_rest": ".1e", "J_min": ".3f",
-    "J_max": ".3f", "unseen_rms": ".2f", "inside_out": ".1%", "smallest_det": ".2f", "noise_end": ".2f", "answer": ".4g", "deviation": "+.1%", "wall_s": ".1f",
+    "J_max": ".3f", "unseen_rms": ".2f", "inside_out": ".1%", "smallest_det": ".2f",
+    "noise_end": ".2f", "answer": ".4g", "deviation": "+.1%", "wall_s": ".1f",
 }  # fmt: skip
 _HEADINGS = {
     "energy_kept": "kept", "energy_gain": "gain", "energy_rest": "rest", "J_min": "J min",

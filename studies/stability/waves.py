@@ -66,6 +66,8 @@ def vibration_figure(table: pd.DataFrame, out: Path) -> Path:
     for ax, (column, label, scale) in zip(axes[0], measures, strict=True):
         for shift, (name, colour) in enumerate(_COLOURS.items()):
             part = table[table["method"] == name]
+            if not len(part):
+                continue
             at = [groups.index(key) for key in zip(part["nu"], part["cells"], strict=True)]
             place = np.array(at) + 0.2 * (shift - 1.5)
             ax.bar(place, scale * part[column], width=0.19, color=colour, label=name)
