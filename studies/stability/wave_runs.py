@@ -49,6 +49,7 @@ def vibration(
 
     ``energy_left`` over that at the start; ``damping_ratio = -ln(energy_left) / (2 omega t)``;
     ``frequency_error`` relative to the limit of quadratic elements, from the passages through rest.
+    Of a run that was lost, what there was at its last record, and no frequency.
     """
     started = time.perf_counter()
     chosen, mode = Method(**method), lowest_mode(poisson_ratio)
@@ -66,7 +67,7 @@ def vibration(
     history, lost = _followed(solver, Modal(shape), PERIODS * RECORDS_A_PERIOD)
     energy = history["total_energy [J]"]
     left = float(energy[-1] / energy[0])
-    omega = _frequency(history["time [s]"], history["modal"])
+    omega = _frequency(history["time [s]"], history["modal"]) if lost["survived"] else math.nan
     return [
         _labels("vibration", chosen, poisson_ratio, cells) | lost | {
             "omega": omega, "omega_reference": mode.limit, "omega_finest": mode.omega,

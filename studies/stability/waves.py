@@ -65,7 +65,7 @@ def vibration_figure(table: pd.DataFrame, out: Path) -> Path:
                 ("frequency_error", "frequency error [%]", 100.0))  # fmt: skip
     for ax, (column, label, scale) in zip(axes[0], measures, strict=True):
         for shift, (name, colour) in enumerate(_COLOURS.items()):
-            part = table[table["method"] == name]
+            part = table[(table["method"] == name) & (table["survived"] == True)]  # noqa: E712
             if not len(part):
                 continue
             at = [groups.index(key) for key in zip(part["nu"], part["cells"], strict=True)]
