@@ -21,6 +21,7 @@ from sphsolid.record.recorders import (
     Errors,
     LinearMomentum,
     Probe,
+    Recorder,
     angular_momentum,
     linear_momentum,
 )
@@ -58,6 +59,7 @@ __all__ = [
     "Progress",
     "ProgressLine",
     "Reactions",
+    "Recorder",
     "Recovery",
     "RunFolder",
     "SecondaryGradient",

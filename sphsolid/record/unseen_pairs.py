@@ -42,6 +42,7 @@ _TET_EDGES = list(itertools.combinations(range(4), 2))
 #: Neighbours in fewer directions than three have a gradient in theirs alone: determinant of ``M_a``
 #: over the cube of its mean eigenvalue, and ratio of eigenvalues, that count as none.
 _NO_DIRECTION = 1.0e-9
+_TINY = float(np.finfo(np.float64).tiny)
 
 
 @dataclass(frozen=True)
@@ -134,8 +135,7 @@ def _edges(mesh: Mesh) -> tuple[Indices, Indices, Array]:
     weight = np.bincount(
         place.ravel(), weights=np.repeat(mesh.filling * volume, len(ends)), minlength=len(key)
     )
-    total = np.sum(weight)
-    return key // n, key % n, weight / total if total > 0.0 else weight
+    return key // n, key % n, np.asarray(weight / max(float(np.sum(weight)), _TINY))
 
 
 _PAIRS = PerMesh(_pairs)

@@ -7,6 +7,8 @@ from typing import Any
 
 import pandas as pd
 
+from sphsolid.record.positions import INSIDE_OUT_LIMIT, UNSEEN_LARGEST_LIMIT, UNSEEN_RMS_LIMIT
+
 SOUND, USELESS, LOST, ABSENT = "sound", "useless", "lost", "not applicable"
 VERDICTS = (SOUND, USELESS, LOST, ABSENT)
 
@@ -17,7 +19,7 @@ MOST_GAIN = 0.10
 MOST_GAIN_OF_SEED = 1.0
 #: Energy left of what was put in.
 LEAST_KEPT = 0.5
-#: Range of ``J``; every solid here has nu >= 0.45 and stays within a few percent of one.
+#: Range of ``J``; no solid here is compressed or stretched by more than a tenth or two.
 J_RANGE = (0.5, 1.5)
 #: Distance of the answer from the reference's, relative.
 MOST_DEVIATION = 0.15
@@ -29,6 +31,8 @@ MOST_GROWTH, MOST_CLUMPING = 10.0, 0.1
 CRITERIA = (
     f"made more than {MOST_GAIN:.0%} of the energy put in (seeded cases: more than doubled it)",
     f"kept less than {LEAST_KEPT:.0%} of it (not asked of seeds, which should go)",
+    f"the positions folded at some record: unseen motion of neighbours above {UNSEEN_RMS_LIMIT:g} "
+    f"rms or {UNSEEN_LARGEST_LIMIT:g} at the largest, or a cell inside out",
     f"J left [{J_RANGE[0]:g}, {J_RANGE[1]:g}] at some record",
     f"the answer is more than {MOST_DEVIATION:.0%} from that of B-bar elements (of half the "
     "spacing, except at 200 and 300 rad/s)",
@@ -77,6 +81,10 @@ def judge(row: dict[str, Any], reference: float = math.nan) -> tuple[str, str]:
         found.append(f"made {gain:.2g} of the energy")
     if not seeded and not kept >= LEAST_KEPT:
         found.append(f"kept {kept:.0%} of the energy")
+    if is_folded(row):
+        found.append(
+            f"folded (unseen motion {row['unseen_rms']:.2g}, {row['inside_out']:.1%} inside out)"
+        )
     if not (row["J_min"] >= J_RANGE[0] and row["J_max"] <= J_RANGE[1]):
         found.append(f"J {row['J_min']:.2f} to {row['J_max']:.2f}")
     if not (seeded or tension or math.isnan(reference)):
@@ -88,6 +96,15 @@ def judge(row: dict[str, Any], reference: float = math.nan) -> tuple[str, str]:
     if tension and not (answer <= MOST_GROWTH and row["clumping"] <= MOST_CLUMPING):
         found.append(f"noise grew {answer:.2g}-fold, edges by {row['clumping']:.0%}")
     return (USELESS, "; ".join(found)) if found else (SOUND, "")
+
+
+def is_folded(row: dict[str, Any]) -> bool:
+    """True when an indicator of the positions crossed its limit at some record."""
+    return bool(
+        row["unseen_rms"] > UNSEEN_RMS_LIMIT
+        or row["unseen_max"] > UNSEEN_LARGEST_LIMIT
+        or row["inside_out"] > INSIDE_OUT_LIMIT
+    )
 
 
 def cell_text(row: dict[str, Any]) -> str:
@@ -104,7 +121,8 @@ def cell_text(row: dict[str, Any]) -> str:
         return f"x {_short(math.sqrt(abs(row['energy_kept'])))}"
     if row["answer_is"] == "noise growth [-]":
         return f"x {_short(row['answer'])}"
-    return f"{100.0 * row['energy_kept']:.0f} %"
+    kept = f"{100.0 * row['energy_kept']:.0f} %"
+    return f"{kept} fold {row['unseen_rms']:.2g}" if is_folded(row) else kept
 
 
 def _short(value: float) -> str:

@@ -20,6 +20,8 @@ from studies.convergence.cases import FORMULATIONS, SECONDARY
 Simulation = fem.Simulation | sph.Simulation
 #: Leaves the choice to the package: ``h_over_dx`` by the cloud, ``tau_p`` by formulation and solid.
 CHOSEN = -1.0
+#: Leaves every choice to the package, the formulation too.
+BY_DEFAULT = "by default"
 INTEGRATORS: dict[str, Integrator] = {
     each.name: each for each in (sph.PositionVerlet(), sph.SSPRK3(), sph.TVDRK2())
 }
@@ -56,6 +58,8 @@ class Method:
         """A simulation of ``scene`` with particles or nodes ``spacing`` [m] apart."""
         if self.solver == "B-bar FEM":
             return fem.Simulation(scene, spacing=spacing, cfl=self.cfl)
+        if self.formulation == BY_DEFAULT:
+            return sph.Simulation(scene, spacing=spacing)
         return sph.Simulation(
             scene,
             spacing=spacing,
@@ -113,6 +117,12 @@ METHODS = (
     replace(_PLAIN, name="displacement SPH", formulation="displacement"),
     FEM,
 )  # fmt: skip
+#: What a user gets who chooses nothing.
+DEFAULTS = replace(BASE, name="defaults", formulation=BY_DEFAULT, secondary="by default")
+PAPER = next(method for method in METHODS if method.name.endswith("paper's settings"))
+PLAIN = next(method for method in METHODS if method.name == "{p,F,J} unstabilised")
+#: For the long columns and the waves.
+FEW = (DEFAULTS, PAPER, PLAIN, FEM)
 
 _CHANGES: tuple[tuple[str, dict[str, Any]], ...] = (
     ("CFL 0.5", {"cfl": 0.5}),

@@ -51,6 +51,10 @@ def _row(history: History, lost: dict[str, Any], solver: Simulation) -> dict[str
         "operator": "-" if isinstance(solver, fem.Simulation) else solver.operator.name,
         "J_min": float(np.min(history["J_min"])),
         "J_max": float(np.max(history["J_max"])),
+        "unseen_rms": float(np.max(history["unseen_rms [-]"])),
+        "unseen_max": float(np.max(history["unseen_max [-]"])),
+        "inside_out": float(np.max(history["inside_out_share [-]"])),
+        "smallest_det": float(np.min(history["smallest_det [-]"])),
         "noise_end": float(noise[-1]),
         # Early on hardly any pressure is there, and its noise says nothing.
         "noise_max": float(np.max(noise[len(noise) // 2 :])),

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
+import warnings
 from dataclasses import dataclass, field
 from typing import Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
-from sphsolid.errors import Diverged
-from sphsolid.record import EnergyLedger, History, Snapshot, Solver, march
+from sphsolid.errors import Diverged, FoldingWarning
+from sphsolid.record import EnergyLedger, History, Positions, Snapshot, Solver, march
 from sphsolid.record.recorders import Recorder
 from sphsolid.scenes import Scene
 from studies.report.indicators import pressure_noise, twist_of_top
@@ -103,15 +104,20 @@ class Kept:
 
 
 def run_to_end(solver: Simulation, *recorders: Recorder) -> tuple[History, dict[str, Any]]:
-    """History to the end, or to where the solution was lost, and what became of it."""
+    """History to the end, or to where the solution was lost, and what became of it.
+
+    That positions fold is in the history, and no warning.
+    """
     solver.track_balance()
     until = solver.scene.end_time
     lost: dict[str, Any] = {"survived": True, "reason": ""}
     try:
-        history = march(
-            cast(Solver, Watched(solver)), until=until, every=until / RECORDS,
-            record=[EnergyLedger(), Health(), *recorders],
-        )  # fmt: skip
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", FoldingWarning)
+            history = march(
+                cast(Solver, Watched(solver)), until=until, every=until / RECORDS,
+                record=[EnergyLedger(), Health(), Positions(), *recorders],
+            )  # fmt: skip
     except Diverged as end:
         history = end.history  # type: ignore[attr-defined]
         lost = {

@@ -326,6 +326,18 @@ def test_progress_and_run_json_say_it(fake_solver, tmp_path):
     assert "folded" not in line(told[0])
 
 
+def test_a_resumed_run_says_it_again_and_only_once(fake_solver, tmp_path):
+    folder = tmp_path / "run"
+    first = folding(fake_solver)
+    warned(lambda: march(first, until=0.3, every=0.1, output=RunFolder(folder)))
+    again = folding(fake_solver)
+    said = warned(
+        lambda: march(again, until=0.5, every=0.1, output=RunFolder(folder, resume=True))
+    )
+    assert len(said) == 1
+    assert "found at t = 0.3 s" in said[0]
+
+
 def column(solver=sph, spacing=1 / 2, **scene):
     return solver.Simulation(twisting_column(**scene), spacing=spacing)
 

@@ -31,17 +31,21 @@ from studies.stability.hard_case_judgement import (
     judge,
     judged,
 )
-from studies.stability.hard_case_methods import BASE, FEM, METHODS, REFERENCE, VARIANTS
+from studies.stability.hard_case_methods import BASE, DEFAULTS, FEM, METHODS, REFERENCE, VARIANTS
 from studies.stability.hard_case_runs import energy_balance, run
 from studies.stability.hard_case_scenes import Seed, alternating, block, pulled_block, seeded_block
 from studies.stability.hard_case_watch import COLLAPSED, Watched
 from studies.stability.hard_cases import CASES, KEY_CASES, hard_case_table, hard_cases
 from studies.stability.verdicts import NO, PARTLY, STABILISED, UNKNOWN, YES
+from studies.stability.vibration_mode import LEVELS, lowest_mode
+from studies.stability.wave_runs import Pulse, pulse, vibration
+from studies.stability.waves import WAVE_CLAIMS, wave_tables, wave_verdicts
 
 GOOD = {
     "case": "column", "method": BASE.name, "cfl": 0.7, "applicable": None,
     "survived": True, "reason": "", "lost_time": math.nan, "end_time": 0.1, "energy_kept": 0.98,
-    "energy_gain": 0.0, "J_min": 0.99, "J_max": 1.02, "noise_end": 0.1, "dissipated_p": 0.01,
+    "energy_gain": 0.0, "J_min": 0.99, "J_max": 1.02, "unseen_rms": 0.05, "unseen_max": 0.3,
+    "inside_out": 0.0, "smallest_det": 0.9, "noise_end": 0.1, "dissipated_p": 0.01,
     "answer": 6.0, "answer_is": "largest twist [rad]", "clumping": math.nan,
 }  # fmt: skip
 SEEDED = GOOD | {"answer": 0.1, "answer_is": "seed left [-]", "energy_kept": 0.04}
@@ -59,6 +63,12 @@ TENSION = GOOD | {"answer": 1.0, "answer_is": "noise growth [-]", "clumping": 0.
         (GOOD | {"energy_gain": 0.11}, 6.0, USELESS, "made 0.11 of the energy"),
         (GOOD | {"energy_gain": math.nan}, 6.0, USELESS, "made nan of the energy"),
         (GOOD | {"energy_kept": 0.4}, 6.0, USELESS, "kept 40% of the energy"),
+        (GOOD | {"unseen_rms": 0.8}, 6.0, USELESS,
+         "folded (unseen motion 0.8, 0.0% inside out)"),
+        (GOOD | {"unseen_max": 3.5}, 6.0, USELESS,
+         "folded (unseen motion 0.05, 0.0% inside out)"),
+        (SEEDED | {"inside_out": 0.01}, math.nan, USELESS,
+         "folded (unseen motion 0.05, 1.0% inside out)"),
         (GOOD | {"J_min": 0.3}, 6.0, USELESS, "J 0.30 to 1.02"),
         (GOOD | {"J_max": 1.6}, 6.0, USELESS, "J 0.99 to 1.60"),
         (GOOD, 5.0, USELESS, "answer off by +20%"),
@@ -108,6 +118,7 @@ def test_a_lost_reference_judges_nothing():
     ("row", "text"),
     [
         (GOOD | {"verdict": SOUND}, "98 %"),
+        (GOOD | {"verdict": USELESS, "unseen_rms": 0.83}, "98 % fold 0.83"),
         (SEEDED | {"verdict": SOUND}, "x 0.2"),
         (SEEDED | {"verdict": USELESS, "energy_kept": 4.0e10}, "x 2e5"),
         (TENSION | {"verdict": USELESS, "answer": 101.7}, "x 102"),
@@ -210,9 +221,9 @@ def test_the_list_of_cases_is_whole():
     assert {case.name for case in CASES} >= set(KEY_CASES)
     for case in CASES:
         mine = [c for c in full if c.arguments["case"] == case.name]
-        ours = [c for c in mine if c.arguments["method"]["name"] in {m.name for m in METHODS}]
-        assert len(ours) == len(METHODS)
-        assert (len(mine) > len(METHODS) + 1) == (case.name in KEY_CASES)
+        ours = [c for c in mine if c.arguments["method"]["name"] in {m.name for m in case.methods}]
+        assert len(ours) == len(case.methods)
+        assert (len(mine) > len(case.methods) + 1) == (case.name in KEY_CASES)
     assert {case.arguments["case"] for case in quick} < {case.name for case in CASES}
     named = [case.reference for case in CASES if case.reference]
     assert set(named) <= {case.name for case in CASES}
@@ -415,7 +426,7 @@ def test_a_run_is_a_row(rows):
 def test_the_report_is_made_from_the_rows(rows, tmp_path: Path):
     tables = stability.tables(rows)
     assert tables["table"]["verdict"].tolist() == [SOUND, LOST, ABSENT, SOUND]
-    assert len(tables["verdicts"]) == len(stability_verdicts.CLAIMS)
+    assert len(tables["verdicts"]) == len(stability_verdicts.CLAIMS) + len(WAVE_CLAIMS)
     path = tmp_path / "table.csv"
     tables["table"].to_csv(path, index=False)
     again = dict(tables) | {"table": pd.read_csv(path)}
@@ -446,3 +457,94 @@ def test_parts_choose_what_runs():
 
     assert keys("both") == keys("hard") | keys("spectrum")
     assert not keys("hard") & keys("spectrum")
+
+
+def long_rows(folded):
+    """The long columns of the defaults, some folded, beside sound ones of B-bar."""
+    rows = [GOOD | {"case": f"long column 1/{k}, nu 0.3"} for k in range(4)]
+    ours = [
+        row | {"method": DEFAULTS.name, "unseen_rms": 0.9 if k < folded else 0.05}
+        for k, row in enumerate(rows)
+    ]
+    return tabled(*ours, *(row | {"method": FEM.name} for row in rows))
+
+
+@pytest.mark.parametrize(("folded", "verdict"), [(0, YES), (1, PARTLY), (4, NO)])
+def test_a_folded_run_holds_no_claim(folded, verdict):
+    table = long_rows(folded)
+    assert stability_verdicts.long_columns_are_sound(table)[0] == verdict
+    found, text = stability_verdicts.positions_hold(table)
+    assert found == verdict
+    assert f"{folded} of 4 runs with the package's settings folded, 0 of 4" in text
+    assert stability_verdicts.positions_hold(table[table["method"] == FEM.name])[0] == UNKNOWN
+
+
+def test_a_column_that_folds_is_useless_and_its_row_says_it():
+    """nu 0.3 on 1/3 with nothing that damps: 0.15 s end folded, B-bar's do not."""
+    by_name = {method.name: method for method in METHODS}
+    case = {
+        "case": "a", "kind": "column", "cells": 3,
+        "arguments": {"poisson_ratio": 0.3, "end_time": 0.15},
+    }  # fmt: skip
+    rows = [*run(method=by_name["{p,F,J} unstabilised"].arguments(), **case),
+            *run(method=FEM.arguments(), **case)]  # fmt: skip
+    table = hard_case_table(rows)
+    assert table["verdict"].tolist() == [USELESS, SOUND]
+    assert table["why"][0].startswith("folded") or "; folded" in table["why"][0]
+    assert table["unseen_rms"][0] > 0.3 > 0.1 > table["unseen_rms"][1] > 0.0
+
+
+def test_the_pulse_satisfies_the_wave_equation_and_runs_one_way():
+    wave = Pulse(speed=3.0, width=0.3, start=1.0)
+    X = np.linspace(0.0, 4.0, 4001)[:, None] * [1.0, 0.0, 0.0]
+    slope = np.gradient(wave.displacement(X)[:, 0], X[:, 0])
+    assert np.allclose(slope, -wave.velocity(X, 0.0)[:, 0] / 3.0, atol=1e-9)
+    half = wave.velocity(np.array([[1.15, 0, 0], [1.0, 0, 0]]), 0.0)[:, 0]
+    assert half[0] == pytest.approx(0.5 * half[1])
+
+
+@pytest.fixture(scope="module")
+def waves():
+    methods = (DEFAULTS, FEM)
+    return [
+        *(row for m in methods for row in vibration(
+            method=m.arguments(), poisson_ratio=0.3, cells=4)),
+        *(row for m in methods for row in pulse(
+            method=m.arguments(), poisson_ratio=0.0, cells=10)),
+    ]  # fmt: skip
+
+
+@pytest.mark.slow
+def test_waves_are_rows_with_verdicts(waves):
+    tables = wave_tables(waves)
+    ours, theirs = (row for _, row in tables["vibration"].iterrows())
+    assert theirs["energy_left"] == pytest.approx(1.0, abs=1e-3)
+    assert abs(theirs["damping_ratio"]) < 1e-5
+    assert abs(theirs["frequency_error"]) < 0.02
+    assert ours["energy_left"] < theirs["energy_left"]
+    ours, theirs = (row for _, row in tables["pulse"].iterrows())
+    assert theirs["energy_left"] == pytest.approx(1.0, abs=0.01)
+    assert theirs["error"] < ours["error"]
+    said = wave_verdicts(tables)
+    assert said["verdict"].isin([YES, PARTLY, NO]).all()
+    assert "nu 0.3 on 1/4" in said["decided by"][0]
+
+
+def test_waves_that_were_not_run_are_said_to_be():
+    assert wave_verdicts(wave_tables([]))["verdict"].tolist() == [UNKNOWN, UNKNOWN]
+
+
+@pytest.mark.slow
+def test_the_mode_is_the_limit_of_a_sequence():
+    """Below every mesh of the sequence, as a minimum of the energy must be, and near the last."""
+    mode = lowest_mode(0.3)
+    assert len(LEVELS) == 3
+    assert mode.limit < mode.omega
+    assert mode.omega == pytest.approx(mode.limit, rel=1e-3)
+    X = np.array([[0.25, 1.0, 0.25], [0.0, 0.5, 0.0], [0.5, 0.5, 0.0], [0.1, 0.0, 0.3]])
+    shape = mode(X)
+    assert shape[0, 0] == pytest.approx(1.0, abs=0.01)
+    # Bent about Z: one side is stretched where the other is pressed.
+    assert shape[1, 1] == pytest.approx(-shape[2, 1])
+    assert abs(shape[1, 1]) > 0.1
+    assert np.allclose(shape[3], 0.0)
