@@ -289,7 +289,7 @@ def test_what_is_hopeless_is_recognised_early() -> None:
     """Two bodies in one system, pushed apart: no solution, and not a quadratic of the whole."""
     X = Box(jitter=0.3, seed=2).mesh(0.25).vertices / 0.25
     n = len(X)
-    X = np.concatenate([X, [*X, 40.0, 0.0, 0.0]])
+    X = np.concatenate([X, X + np.array([40.0, 0.0, 0.0])])
     pairs = Uniform(1.0, 1.0).pairs(X, X, sph.WendlandC2().support)
     problem = SkewProblem(pairs, X, np.ones(pairs.pairs), np.full(2 * n, 0.02))
     right = np.zeros((2 * n, 10, 3))

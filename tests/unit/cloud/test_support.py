@@ -70,11 +70,11 @@ def test_secondary_particles_are_checked_too() -> None:
 
 
 def test_flat_neighbourhoods_are_noticed() -> None:
-    """Enough neighbours, but all in one plane."""
+    """Enough neighbours, but all in one plane: lengths count the long edges, so h is small here."""
     mesh = Box(upper=(1.0, 1.0, 2.0)).mesh(0.25)
     flat = HexMesh(mesh.vertices * [1.0, 1.0, 6.0], mesh.cells, mesh.faces, 0.25, False)
     with pytest.raises(InputError, match="too few neighbours"):
-        build_cloud(flat, smoothing=sph.WendlandC2(), h_over_dx=0.75, operator=sph.Literal())
+        build_cloud(flat, smoothing=sph.WendlandC2(), h_over_dx=0.4, operator=sph.Literal())
 
 
 def test_a_cloud_without_thickness_is_refused_with_what_to_do() -> None:
