@@ -16,6 +16,8 @@ from sphsolid.geometry.mesh import GridMesh, HexMesh, Mesh
 Array = NDArray[np.float64]
 #: Most that flat cells lengthen the spacing by: to reach the second neighbours sideways.
 _FLAT = 1.1
+#: Ratio of the longest to the shortest edge of a hexahedron from which it is flat.
+FLAT = 1.4
 #: Ratio of the largest to the smallest local spacing from which lengths are local.
 GRADED = 1.6
 
@@ -91,6 +93,25 @@ _SIDES = np.array(
 )  # fmt: skip
 
 
+def _mean_edges(mesh: HexMesh) -> Array:
+    """Mean length of the four edges along each axis of every cell ``(3, C)`` [m]."""
+    corners = mesh.vertices[mesh.cells]
+    edges = [
+        np.linalg.norm(corners[:, _SIDES[axis, 1]] - corners[:, _SIDES[axis, 0]], axis=2)
+        for axis in range(3)
+    ]
+    return np.array([edge.mean(axis=1) for edge in edges])
+
+
+def has_flat_cells(mesh: HexMesh) -> bool:
+    """Whether the longest edge of a cell is, in the mean, more than :data:`FLAT` of its shortest.
+
+    The cube of the cells' volume is then too small a measure of their width.
+    """
+    means = _mean_edges(mesh)
+    return bool(np.mean(np.max(means, axis=0) / np.min(means, axis=0)) > FLAT)
+
+
 def widest_spacing(mesh: Mesh) -> Array:
     """Spacing around each vertex ``(N,)`` [m] in the direction where it is widest.
 
@@ -99,12 +120,7 @@ def widest_spacing(mesh: Mesh) -> Array:
     """
     if not isinstance(mesh, HexMesh):
         return local_spacing(mesh)
-    corners = mesh.vertices[mesh.cells]
-    edges = [
-        np.linalg.norm(corners[:, _SIDES[axis, 1]] - corners[:, _SIDES[axis, 0]], axis=2)
-        for axis in range(3)
-    ]
-    means = np.array([edge.mean(axis=1) for edge in edges])
+    means = _mean_edges(mesh)
     longest = np.max(means, axis=0)
     # Flat cells see many neighbours above and below and must see the second ones sideways.
     longest *= np.clip(0.5 + 0.5 * longest / np.min(means, axis=0), 1.0, _FLAT)
@@ -118,15 +134,17 @@ def widest_spacing(mesh: Mesh) -> Array:
 def lengths_of(mesh: Mesh, h_over_dx: float) -> Lengths:
     """``Uniform`` unless the spacing of the mesh varies by more than :data:`GRADED`.
 
-    On a disordered grid ``dx`` is its widest edge, on other hexahedra the mean of what
-    ``widest_spacing`` gives, which a flat cell's volume underrates: the support must reach second
-    neighbours along every axis, or there is hardly a gradient that sums by parts.
+    On a disordered grid ``dx`` is its widest edge, on flat hexahedra of any other kind the mean of
+    what ``widest_spacing`` gives: the support must reach second neighbours along every axis, or
+    there is hardly a gradient that sums by parts.
     """
     if mesh.is_lattice:
         return Uniform(mesh.spacing, h_over_dx)
     spacing = widest_spacing(mesh)
     if np.max(spacing) <= GRADED * np.min(spacing):
-        flat = isinstance(mesh, HexMesh) and not isinstance(mesh, GridMesh)
-        widest = max(mesh.widest, float(np.mean(spacing))) if flat else mesh.widest
+        any_kind = isinstance(mesh, HexMesh) and not isinstance(mesh, GridMesh)
+        widest = mesh.widest
+        if any_kind and has_flat_cells(mesh):
+            widest = max(widest, float(np.mean(spacing)))
         return Uniform(widest, h_over_dx)
     return Local(mesh.vertices, spacing, h_over_dx, Sight.within(mesh))

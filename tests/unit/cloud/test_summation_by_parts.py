@@ -278,7 +278,7 @@ def test_it_is_the_default_except_on_a_lattice() -> None:
     assert lattice.operator == (
         sph.Consistent() if lattice.cloud.mesh.is_lattice else sph.SummationByParts()
     )
-    disordered = dataclasses.replace(scene, body=Box(jitter=0.3), tractions=())
+    disordered = dataclasses.replace(scene, body=Box(jitter=0.3), tractions=(), probes={})
     chosen = sph.Simulation(disordered, spacing=0.25, formulation=sph.PF())
     assert chosen.operator == sph.SummationByParts()
     assert "SummationByParts" in str(chosen.plan())

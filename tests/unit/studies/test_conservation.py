@@ -251,7 +251,11 @@ def test_a_tiny_study_runs_from_command_line_to_report(tmp_path: Path) -> None:
 
 
 # ------------------------------------------------------------------ the measures themselves
-ENDED = SimpleNamespace(step=3, snapshot=lambda: SimpleNamespace(X=np.zeros((4, 3))))
+ENDED = SimpleNamespace(
+    step=3,
+    snapshot=lambda: SimpleNamespace(X=np.zeros((4, 3))),
+    positions=SimpleNamespace(folded_since=np.nan),
+)
 
 
 def test_what_is_left_over_has_the_work_of_the_projection_in_it() -> None:
