@@ -33,7 +33,7 @@ class Owners:
         self.of = np.full(len(boundary), -1)
         self.names: list[str] = []
         self.unusable: dict[str, str] = {}
-        self._sizes: list[int] = []
+        self._given: list[Indices] = []
         self._kinds: list[str] = []
         self._notes: dict[str, list[str]] = {}
 
@@ -41,7 +41,7 @@ class Owners:
         """Make a tag of some facets ``rows (k,)`` that are free."""
         self.of[rows] = len(self.names)
         self.names.append(name)
-        self._sizes.append(len(rows))
+        self._given.append(rows)
         self._kinds.append(kind)
 
     def shared_with(self, rows: Indices) -> Indices:
@@ -77,9 +77,7 @@ class Owners:
         for name in ranked:
             (one, rows), *others = meanings[name]
             differ = [
-                (each, its)
-                for each, its in others
-                if not np.array_equal(np.sort(rows), np.sort(its))
+                (each, its) for each, its in others if not self._same(one, rows, each, its)
             ]
             if differ:
                 other, its = differ[0]
@@ -91,16 +89,31 @@ class Owners:
                     f"{name!r} ({one.kind}, {other.kind})",
                 )
             else:
-                self._settle(name, one.kind, rows)
+                self._settle(one, rows)
 
-    def _settle(self, name: str, kind: str, rows: Indices) -> None:
+    def _same(self, one: NamedSet, rows: Indices, other: NamedSet, its: Indices) -> bool:
+        """Whether two sets have the same facets, or one of nodes has all those of the other.
+
+        At an edge of a coarse mesh nodes alone do not tell which facets are meant.
+        """
+        if np.array_equal(np.sort(rows), np.sort(its)):
+            return True
+        if one.points is None and other.points is None:
+            return False
+        return np.array_equal(self._nodes(one, rows), self._nodes(other, its))
+
+    def _nodes(self, each: NamedSet, rows: Indices) -> Indices:
+        return np.unique(self.boundary[rows] if each.points is None else each.points)
+
+    def _settle(self, each: NamedSet, rows: Indices) -> None:
+        name, kind = each.name, each.kind
         shared = self.shared_with(rows)
         if len(shared) == 0:
             self.give(name, rows, kind)
             return
         k = int(self.of[shared[0]])
         other, its = self.names[k], f"{self._kinds[k]} {self.names[k]!r}"
-        if len(shared) == len(rows) == self._sizes[k]:
+        if self._same(each, rows, NamedSet(other, self._kinds[k]), self._given[k]):
             self._leave_out(
                 name,
                 f"{kind} {name!r} has the facets of {its}, and a facet can have one tag; use "
