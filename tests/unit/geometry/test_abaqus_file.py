@@ -167,6 +167,24 @@ def test_a_facet_at_an_edge_belongs_to_the_face_it_goes_on_in(tmp_path, names, s
         same_facets(found, found.faces[name], faces[name])
 
 
+@pytest.mark.parametrize("name", ["wall", "same"])
+@pytest.mark.parametrize("sides", [6, 16])
+def test_the_nodes_of_a_skin_are_no_other_facets_than_the_skin(tmp_path, sides, name):
+    """Gmsh writes both; where nodes alone leave it open which facets are meant, the skin says."""
+    mesh, faces = coarse_cylinder(sides, 1)
+    skin = "".join(
+        f"{k}, " + ", ".join(str(n + 11) for n in corners) + "\n"
+        for k, corners in enumerate(faces["wall"].tolist(), 9001)
+    )
+    more = f"*ELEMENT, TYPE=S3, ELSET=wall\n{skin}"
+    more += f"*NSET, NSET={name}\n{listed(11 + np.unique(faces['wall']))}"
+    found = read(tmp_path, text_of(mesh, more))
+    same_facets(found, found.face("wall"), faces["wall"])
+    if name != "wall":
+        with pytest.raises(InputError, match=r"has the facets of element set 'wall'"):
+            found.face(name)
+
+
 def test_a_node_set_may_end_in_the_middle_of_a_face(tmp_path):
     """An end and half of the face beside it: one tag, and none of the facets are lost."""
     bottom = BOX.faces["Y-"]
