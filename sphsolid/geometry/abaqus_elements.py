@@ -88,8 +88,9 @@ class Elements:
 
 def numbers(words: list[str]) -> Indices:
     """Whole numbers; raises ``ValueError`` for anything else."""
-    if any("_" in word for word in words):  # Python reads 1_000, Abaqus does not.
-        raise ValueError(f"not a number: {next(word for word in words if '_' in word)!r}")
+    for word in words:
+        if "_" in word or not word.isascii():  # Python reads 1_000 and digits of any script.
+            raise ValueError(f"not a number: {word!r}")
     return np.array([int(word) for word in words], dtype=np.int64)
 
 
@@ -118,12 +119,7 @@ def elements_of(where: str, card: Card) -> Elements:
         f"{where}: elements of type {name} with fewer than 27 nodes are not read: write all of "
         "them, or elements C3D20",
     )
-    if len(words) % (size + 1):
-        raise InputError(
-            f"{where}: {len(words)} numbers do not make elements of type {name}, which have "
-            f"{size} nodes; the file is truncated or damaged"
-        )
-    _refuse_ragged(where, card, name, size + 1)
+    _refuse_other_counts(where, card.data, name, size)
     table = numbers(words).reshape(-1, size + 1)
     return Elements(name, kind, table[:, 0], table[:, 1:])
 
@@ -157,15 +153,39 @@ def _starts(lines: list[str]) -> list[str]:
     return [line for line, last in zip(lines, before, strict=True) if not last.endswith(",")]
 
 
-def _refuse_ragged(where: str, card: Card, name: str, size: int) -> None:
-    """An element may go on in the next line, but begins in one of its own."""
-    count = 0
-    for line in card.data:
+def _refuse_other_counts(where: str, lines: list[str], name: str, nodes: int) -> None:
+    """Raises ``InputError`` for an element of another number of nodes, or with a blank one.
+
+    An element may go on in the next line, but begins in one of its own.
+    """
+    begin = count = 0
+    for k, line in enumerate(lines):
         words = line.rstrip(",").split(",")
+        begin = k if count == 0 else begin
         count += len(words)
         require(
-            count <= size and all(word.strip() for word in words),
-            f"{where}: the line {line[:60]!r} does not end an element of type {name}, which has "
-            f"{size - 1} nodes, or leaves one of them blank",
+            all(word.strip() for word in words),
+            f"{where}: the line {line[:60]!r} leaves a node of an element of type {name} blank; "
+            f"write all {nodes} of them",
         )
-        count %= size
+        if count > nodes + 1:
+            break
+        count %= nodes + 1
+    if count == 0:
+        return
+    # It is over where no comma says that it goes on.
+    end = begin
+    while lines[end].endswith(",") and end + 1 < len(lines):
+        end += 1
+    text = ",".join(line.rstrip(",") for line in lines[begin : end + 1])
+    element, *its = text.split(",")
+    way_out = "complete it, or correct the type"
+    if len(its) > nodes:
+        way_out = (
+            "elements of an order above two are not read: save the mesh with order 1 or 2 (Gmsh: "
+            "Mesh.ElementOrder), or correct the type"
+        )
+    raise InputError(
+        f"{where}: elements of type {name} need {nodes} nodes and element {element.strip()[:20]} "
+        f"has {len(its)}; {way_out}"
+    )

@@ -121,6 +121,8 @@ def understood(where: str, card: Card) -> Card | None:
         )
     if name == "SYSTEM" and not any(card.words()):
         return None  # back to the axes that there are from the beginning
+    if name == "MODEL CHANGE" and _bare(card.given.get("TYPE", "").upper()) == "CONTACTPAIR":
+        return None  # no element comes or goes
     if name in REFUSED:
         raise InputError(f"{where}: {REFUSED[name]}")
     if name not in READ:

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from sphsolid.errors import InputError, require
 from sphsolid.geometry.abaqus_cards import Card
+from sphsolid.geometry.abaqus_elements import Elements
 from sphsolid.geometry.abaqus_instances import moved
 from sphsolid.geometry.abaqus_part import Part
 from sphsolid.geometry.abaqus_scope import ElementTable, Scope
@@ -116,7 +117,7 @@ class Model:
             nodes, elements = nodes + len(points), elements + len(scope.elements)
             for where, block in part.elements:
                 table.kinds.append(block.kind)
-                table.nodes.append(_places(str(self.path), where, scope, block.nodes))
+                table.nodes.append(_places(where, scope, block))
             if name:
                 inner[name.upper()] = scope
         sizes = [len(block) for block in table.nodes]
@@ -173,13 +174,16 @@ def refuse_structures(path: Path, model: list[Part], table: ElementTable, points
     )
 
 
-def _places(path: str, where: str, scope: Scope, nodes: Indices) -> Indices:
+def _places(where: str, scope: Scope, block: Elements) -> Indices:
     """Where the nodes of elements stand in the list of points."""
-    found = scope.nodes.find(nodes)
-    if np.any(found < 0):
-        of = f" (instance {scope.name!r})" if scope.name else ""
+    found = scope.nodes.find(block.nodes)
+    lost = found < 0
+    if np.any(lost):
+        first = int(np.argmax(lost.any(axis=1)))
+        of = f" of instance {scope.name!r}" if scope.name else ""
         raise InputError(
-            f"{path}: elements use vertices that the file does not define, the first of them "
-            f"node {nodes[found < 0].min()}{of}; the file is truncated or damaged"
+            f"{where}: elements use {len(np.unique(block.nodes[lost]))} nodes that are not "
+            f"defined; the first is node {block.nodes[first][lost[first]][0]} of element "
+            f"{block.ids[first]}{of}: add it to the *NODE lines, or take the element out"
         )
     return found

@@ -29,6 +29,11 @@ class Named:
     numbers: list[Indices] = field(default_factory=list)
     of_elements: bool = True
 
+    @property
+    def internal(self) -> bool:
+        """Whether a program made it for itself, and says so."""
+        return any("INTERNAL" in card.given for _, card in self.cards)
+
 
 Names = dict[str, Named]
 _FORTRAN = re.compile(r"([-+0-9.]+)[dD]([-+]?\d+)")

@@ -17,7 +17,13 @@ from sphsolid.geometry.abaqus_keywords import understood
 from sphsolid.geometry.abaqus_model import Model, refuse_structures
 from sphsolid.geometry.abaqus_scope import ElementTable, Scope
 from sphsolid.geometry.abaqus_skipped import NOT_READ_BUT_SAID
-from sphsolid.geometry.file_content import BODY_CELLS, SURFACE_CORNERS, Block, FileContent
+from sphsolid.geometry.file_content import (
+    BODY_CELLS,
+    SURFACE_CORNERS,
+    Block,
+    FileContent,
+    NamedSet,
+)
 
 Indices = NDArray[np.int64]
 Rows = list[tuple[str, Indices]]
@@ -26,9 +32,10 @@ Rows = list[tuple[str, Indices]]
 def read_abaqus(path: Path) -> FileContent:
     """Nodes, elements and names of an ``.inp`` file.
 
-    Tags: each element-based ``*SURFACE``, each ``*ELSET`` with surface elements (shells,
+    Names: each element-based ``*SURFACE``, each ``*ELSET`` with surface elements (shells,
     membranes, plane elements), and, where neither names a surface element, the ``ELSET`` of its
-    ``*ELEMENT`` line.  ``*NSET`` and surfaces of nodes become node sets.  Sets may be given in
+    ``*ELEMENT`` line; ``*NSET`` and surfaces of nodes by their nodes.  Which of them become tags
+    is settled in :mod:`~sphsolid.geometry.named_sets`.  Sets may be given in
     parts, by numbers, ``GENERATE`` or other sets, before or after those.  Names of a part are
     those of the file where it has one instance, else ``INSTANCE.NAME``.  What is read of each
     keyword stands in ``abaqus_keywords``.  Raises ``InputError``, with the line, for what is
@@ -72,23 +79,25 @@ def read_abaqus(path: Path) -> FileContent:
     return FileContent(
         points,
         _blocks([row for row in zip(table.kinds, table.nodes, strict=True) if row[0] != "line"]),
-        {name: _blocks(rows) for name, rows in _tags(scope, table).items()},
-        _node_sets(scope, table),
+        {},
+        tuple(_sets(scope, table)),
         notes=tuple(f"{path}: {note}" for note in notes),
         way_out="mesh it in 3D with elements such as C3D8 or C3D4, and write them into this file",
     )
 
 
-def _tags(root: Scope, table: ElementTable) -> dict[str, Rows]:
-    """Facets by the names of surfaces and of sets with surface elements."""
-    tags: dict[str, Rows] = {}
+def _sets(root: Scope, table: ElementTable) -> list[NamedSet]:
+    """Surfaces, sets with surface elements, and node sets, in the order that they are met in."""
+    found: list[NamedSet] = []
     named = np.zeros(len(table.block), dtype=bool)
     surface = np.array([kind in SURFACE_CORNERS for kind in table.kinds], dtype=bool)
     flat = surface[table.block]
     scopes = (*root.instances.values(), root)
     for scope in scopes:
         for entry in scope.part.surfaces.values():
-            tags.setdefault(_label(root, scope, entry.name), scope.surface(entry, table))
+            facets = _blocks(scope.surface(entry, table))
+            label = _label(root, scope, entry.name)
+            found.append(NamedSet(label, "surface", facets, internal=entry.internal))
     for of_elements in (False, True):
         for scope in scopes:
             for key, entry in scope.part.elsets.items():
@@ -101,26 +110,35 @@ def _tags(root: Scope, table: ElementTable) -> dict[str, Rows]:
                 else:
                     named[members] = True
                 if len(members):
-                    tags.setdefault(_label(root, scope, entry.name), [*table.blocks(members)])
-    return tags
+                    facets = _blocks([*table.blocks(members)])
+                    label = _label(root, scope, entry.name)
+                    found.append(NamedSet(label, "element set", facets, internal=entry.internal))
+    return found + _node_sets(root, table)
 
 
-def _node_sets(root: Scope, table: ElementTable) -> dict[str, Indices]:
-    found: dict[str, Indices] = {}
+def _node_sets(root: Scope, table: ElementTable) -> list[NamedSet]:
+    found: list[NamedSet] = []
     for scope in (*root.instances.values(), root):
-        for key, entry in scope.part.nsets.items():
-            label = _label(root, scope, entry.name)
-            found.setdefault(label, scope.members("NSET", key, table))
-        for entry in scope.part.node_surfaces.values():
-            label = _label(root, scope, entry.name)
-            found.setdefault(label, scope.node_surface(entry, table))
+        sets = [
+            (entry, "node set", scope.members("NSET", key, table))
+            for key, entry in scope.part.nsets.items()
+        ]
+        sets += [
+            (entry, "surface of nodes", scope.node_surface(entry, table))
+            for entry in scope.part.node_surfaces.values()
+        ]
+        found += [
+            NamedSet(_label(root, scope, entry.name), kind, (), points, entry.internal)
+            for entry, kind, points in sets
+        ]
     return found
 
 
 def _label(root: Scope, scope: Scope, name: str) -> str:
     """The tag of a name: with that of its instance where a name alone could mean two things."""
     part = root.part
-    taken = any(name.upper() in names for names in (part.nsets, part.elsets, part.surfaces))
+    kinds = (part.nsets, part.elsets, part.surfaces, part.node_surfaces)
+    taken = any(name.upper() in names for names in kinds)
     alone = len(root.instances) == 1 and not taken
     return name if scope is root or alone else f"{scope.name}.{name}"
 

@@ -12,6 +12,8 @@ from sphsolid.errors import InputError, require
 from sphsolid.geometry.abaqus_cards import Card, fields
 from sphsolid.geometry.abaqus_elements import facets_of
 from sphsolid.geometry.abaqus_part import Named, Part
+from sphsolid.geometry.facets import cell_facets, same_vertices
+from sphsolid.geometry.file_content import BODY_CELLS, SURFACE_CORNERS
 from sphsolid.geometry.numbering import Numbering
 
 Array = NDArray[np.float64]
@@ -38,6 +40,38 @@ class ElementTable:
         for part in np.split(elements, starts[1:]) if len(elements) else []:
             block = int(self.block[part[0]])
             yield self.kinds[block], self.nodes[block][self.row[part]]
+
+    def exposed(self, elements: list[Indices]) -> list[tuple[str, Indices]]:
+        """Kind and nodes ``(n, k)`` of facets that no second element of the model has.
+
+        Surface elements are facets themselves, whatever lies behind them.
+        """
+        if not elements:
+            return []
+        members = np.unique(np.concatenate(elements))
+        found = [
+            (kind, nodes) for kind, nodes in self.blocks(members) if kind in SURFACE_CORNERS
+        ]
+        for kind in ("triangle", "quad"):
+            loops, owner = self._facets(SURFACE_CORNERS[kind])
+            number = same_vertices(loops)
+            free = (np.bincount(number)[number] == 1) & np.isin(owner, members)
+            if free.any():
+                found.append((kind, loops[free]))
+        return found
+
+    def _facets(self, corners: int) -> tuple[Indices, Indices]:
+        """Facets ``(n, corners)`` of all elements of a volume, and whose they are ``(n,)``."""
+        loops, owner = [np.zeros((0, corners), np.int64)], [np.zeros(0, np.int64)]
+        first = 0
+        for kind, nodes in zip(self.kinds, self.nodes, strict=True):
+            shape = BODY_CELLS.get(kind)
+            if shape is not None and shape.facets.shape[1] == corners:
+                loops.append(cell_facets(nodes[:, : shape.corners], shape))
+                places = np.arange(first, first + len(nodes))
+                owner.append(np.repeat(places, len(shape.facets)))
+            first += len(nodes)
+        return np.concatenate(loops), np.concatenate(owner)
 
 
 @dataclass
@@ -79,14 +113,21 @@ class Scope:
         return self._sets[key]
 
     def surface(self, entry: Named, table: ElementTable) -> list[tuple[str, Indices]]:
-        """Kinds and nodes of the facets of a surface of elements."""
+        """Kinds and nodes of the facets of a surface of elements.
+
+        A line without a face means the exposed faces of its elements.
+        """
         facets: list[tuple[str, Indices]] = []
+        exposed: list[Indices] = []
         for where, card in entry.cards:
             for row in card.data:
                 region, label, *_ = [*fields(row), ""]
                 elements = self._find(self, "ELSET", where, [region], table)
-                facets += [facets_of(where, *block, label) for block in table.blocks(elements)]
-        return facets
+                if label:
+                    facets += [facets_of(where, *block, label) for block in table.blocks(elements)]
+                else:
+                    exposed.append(elements)
+        return facets + table.exposed(exposed)
 
     def node_surface(self, entry: Named, table: ElementTable) -> Indices:
         """Nodes of a surface of nodes; each line names a set or a node first."""
@@ -123,7 +164,7 @@ class Scope:
         self, scope: Scope, kind: str, where: str, words: list[str], table: ElementTable
     ) -> Indices:
         """Places of numbers, and of the members of sets."""
-        plain = [word for word in words if word.isdigit()]
+        plain = [word for word in words if _is_number(word)]
         parts = []
         if plain:
             wanted = np.array([int(word) for word in plain], dtype=np.int64)
@@ -137,11 +178,11 @@ class Scope:
                 )
             parts.append(found)
         for word in words:
-            if not word.isdigit():
+            if not _is_number(word):
                 owner, name = self._owner(scope, kind, where, word)
                 parts.append(
                     owner._find(owner, kind, where, [name], table)
-                    if name.isdigit()
+                    if _is_number(name)
                     else owner.members(kind, name, table)
                 )
         return np.concatenate([np.zeros(0, np.int64), *parts])
@@ -157,7 +198,7 @@ class Scope:
             if prefix == self.assembly.upper() != "":
                 return self._owner(self, kind, where, name)
             inner = self.instances.get(prefix)
-            if inner is not None and (name.isdigit() or name.upper() in inner._names(kind)):
+            if inner is not None and (_is_number(name) or name.upper() in inner._names(kind)):
                 return inner, name
         names = sorted(entry.name for entry in scope._names(kind).values())
         names += sorted(
@@ -175,10 +216,15 @@ class Scope:
         return "the assembly" if self.instances else "the file"
 
 
+def _is_number(word: str) -> bool:
+    """Digits of ASCII: there are others, which are no numbers, such as a superscript."""
+    return word.isascii() and word.isdigit()
+
+
 def _range(where: str, row: str) -> tuple[int, int, int]:
     words = [word for word in fields(row) if word]
     require(
-        len(words) in (2, 3) and all(word.isdigit() for word in words),
+        len(words) in (2, 3) and all(map(_is_number, words)),
         f"{where}: GENERATE needs first, last, step, got {row[:60]!r}",
     )
     low, high, step = (*(int(word) for word in words), 1)[:3]

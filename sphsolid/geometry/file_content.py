@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -42,11 +42,26 @@ class Block:
 
 
 @dataclass(frozen=True)
+class NamedSet:
+    """Facets, or ``points (k,)`` that stand for some, under a name that is not theirs alone.
+
+    Sets of a file may overlap and share a name.  ``kind``: what the format calls it, for
+    messages; ``facets``: blocks of surface cells; ``internal``: a program made it for itself.
+    """
+
+    name: str
+    kind: str
+    facets: tuple[Block, ...] = ()
+    points: Indices | None = None
+    internal: bool = False
+
+
+@dataclass(frozen=True)
 class FileContent:
     """Points ``(n, 3)`` in units of the file, all cells, and what the file gives a name.
 
     ``tags``: name -> blocks of surface cells, no block at all for a name that is declared and
-    not used; ``node_sets``: name -> points ``(k,)``, where the format has such sets; ``notes``:
+    not used, where the names of a format may not overlap; ``sets``: where they may; ``notes``:
     what of the file is not read and a user should hear of; ``way_out``: what to do about a file
     that has no cells of a volume.
     """
@@ -54,7 +69,7 @@ class FileContent:
     points: Array
     cells: tuple[Block, ...]
     tags: Mapping[str, tuple[Block, ...]]
-    node_sets: Mapping[str, Indices] = field(default_factory=dict)
+    sets: tuple[NamedSet, ...] = ()
     notes: tuple[str, ...] = ()
     way_out: str = "mesh the body in 3D and save its cells"
 

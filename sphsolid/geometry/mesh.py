@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, field, fields, replace
 from typing import Any, TypeVar
 
 import numpy as np
@@ -32,7 +32,8 @@ class Mesh:
     ``(f, m)`` vertex loops, counter-clockwise seen from outside; ``spacing`` [m] the nominal
     distance of neighbouring vertices; ``is_lattice`` True when the vertices sit on a regular
     axis-aligned grid of that spacing (per axis up to rounding to whole cells), those of separate
-    parts perhaps each on its own.
+    parts perhaps each on its own.  ``unusable``: names of a mesh file that are no tag -> why, in
+    the words of the refusal.
     """
 
     vertices: Array
@@ -40,6 +41,7 @@ class Mesh:
     faces: dict[str, Indices]
     spacing: float
     is_lattice: bool
+    unusable: dict[str, str] = field(default_factory=dict, kw_only=True)
 
     @property
     def shape(self) -> CellShape:
@@ -52,7 +54,9 @@ class Mesh:
         return self.spacing
 
     def face(self, name: str) -> Indices:
-        """Facets of a tag; raises ``InputError`` naming the tags there are."""
+        """Facets of a tag; raises ``InputError`` naming the tags there are, or why it is none."""
+        if name in self.unusable and name not in self.faces:
+            raise InputError(f"{self.unusable[name]}; the tags are {sorted(self.faces)}")
         if name not in self.faces or len(self.faces[name]) == 0:
             raise InputError(
                 f"boundary tag {name!r} is unknown or empty; the body has {sorted(self.faces)}"
@@ -126,7 +130,7 @@ def _with_arrays(mesh: AnyMesh, change: Callable[[NDArray[Any]], NDArray[Any]]) 
         value = getattr(mesh, each.name)
         if isinstance(value, np.ndarray):
             made[each.name] = change(value)
-        elif isinstance(value, dict):
+        elif each.name == "faces":
             made[each.name] = {name: change(array) for name, array in value.items()}
     return replace(mesh, **made)
 

@@ -76,7 +76,8 @@ class MeshFile:
     cells of a VTU file (:func:`~sphsolid.geometry.vtu_reading.read_vtu`) and the surfaces,
     element sets and node sets of Abaqus
     (:func:`~sphsolid.geometry.abaqus_reading.read_abaqus`); facets without a tag are tagged
-    ``boundary``.  Tags may not overlap.
+    ``boundary``.  Tags may not overlap.  Of overlapping sets of Abaqus one is a tag, and the
+    others are refused when they are asked for (:mod:`~sphsolid.geometry.named_sets`).
     """
 
     path: str | Path
@@ -155,25 +156,32 @@ def reading(file: str, content: FileContent, metres: float) -> Reading:
     vertices, given = points[used], renumber[cells]
     refuse_duplicates(file, vertices, given)
     cells = right_handed(file, vertices, given, shape)
-    faces = tagged_faces(
+    tags = tagged_faces(
         file,
         vertices,
         boundary_facets(file, vertices, cells, shape),
         shape,
-        _tags(content, renumber),
-        {name: _kept(renumber[nodes]) for name, nodes in content.node_sets.items()},
+        {name: _of_body(blocks, renumber) for name, blocks in content.tags.items()},
+        [
+            replace(
+                each,
+                facets=_of_body(each.facets, renumber),
+                points=None if each.points is None else _kept(renumber[each.points]),
+            )
+            for each in content.sets
+        ],
     )
     kind = HexMesh if shape is HEXAHEDRON else TetMesh
     cube = 1.0 if shape is HEXAHEDRON else 6.0
-    mesh = kind(vertices, cells, faces, 1.0, is_lattice=False)
+    mesh = kind(vertices, cells, tags.faces, 1.0, is_lattice=False, unusable=tags.unusable)
     refuse_overlap(file, mesh)
     volume = math.fsum(cell_volumes_and_centroids(mesh)[0])
     return Reading(
-        kind(vertices, cells, faces, math.cbrt(cube * volume / len(cells)), is_lattice=False),
+        replace(mesh, spacing=math.cbrt(cube * volume / len(cells))),
         unused_vertices=len(points) - len(in_cells),
         midside_vertices=len(in_cells) - len(used),
         left_handed=cells is not given,
-        notes=content.notes,
+        notes=(*content.notes, *tags.notes),
     )
 
 
@@ -200,19 +208,16 @@ def _body(file: str, content: FileContent) -> tuple[CellShape, list[Block]]:
     return shapes[0], blocks
 
 
-def _tags(content: FileContent, renumber: Indices) -> dict[str, tuple[Block, ...]]:
-    """The tags by vertices of the body; a vertex that is none of the body becomes -1."""
+def _of_body(blocks: tuple[Block, ...], renumber: Indices) -> tuple[Block, ...]:
+    """Surface cells by vertices of the body; a vertex that is none of the body becomes -1."""
     last = len(renumber) - 1
-    return {
-        name: tuple(
-            Block(
-                block.kind,
-                renumber[np.where((block.nodes >= 0) & (block.nodes < last), block.nodes, last)],
-            )
-            for block in blocks
+    return tuple(
+        Block(
+            block.kind,
+            renumber[np.where((block.nodes >= 0) & (block.nodes < last), block.nodes, last)],
         )
-        for name, blocks in content.tags.items()
-    }
+        for block in blocks
+    )
 
 
 def _kept(nodes: Indices) -> Indices:

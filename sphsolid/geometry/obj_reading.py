@@ -22,7 +22,9 @@ def read_obj(path: Path) -> tuple[Array, list[Indices]]:
     from the end, and a line go on in the next.  Groups and materials name nothing.  Raises
     ``InputError`` for facets of more corners, curved surfaces, and what is no number.
     """
-    text = path.read_bytes().decode("utf-8", errors="replace").replace("\\\r\n", " ")
+    data = path.read_bytes()
+    require(b"\0" not in data, f"{path} is no text, or in UTF-16; save it as UTF-8 or ASCII")
+    text = data.decode("utf-8-sig", errors="replace").replace("\\\r\n", " ")
     points: list[list[float]] = []
     loops: dict[int, list[list[int]]] = {3: [], 4: []}
     for number, line in enumerate(text.replace("\\\n", " ").splitlines(), start=1):

@@ -83,6 +83,10 @@ def _obj(path: Path) -> tuple[Array, dict[str, Indices]]:
 
 
 def _ply(path: Path) -> tuple[Array, dict[str, Indices]]:
+    require(
+        not path.read_bytes().startswith((b"\xef\xbb\xbf", b"\xff\xfe", b"\xfe\xff")),
+        f"{path} begins with a byte order mark, which is not read; save it without (as ASCII)",
+    )
     mesh = read_guarded(meshio.ply.read, path, "PLY")
     blocks = [block for block in mesh.cells if len(block.data)]
     strange = sorted({block.type for block in blocks} - {"triangle", "quad"})

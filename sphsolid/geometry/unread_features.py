@@ -122,6 +122,14 @@ def _refuse_one_partition(path: Path, data: bytes) -> None:
 
 def refuse_vtu_features(path: Path, data: bytes) -> None:
     """Raises ``InputError`` for what can be told from the text of a ``.vtu`` file."""
+    text = re.search(rb"""<Array\b[^>]*""", data.partition(b"<AppendedData")[0])
+    if text is not None:
+        name = re.search(rb"""Name\s*=\s*["']([^"']*)""", text.group())
+        raise InputError(
+            f"{path}: its array {(name.group(1) if name else b'').decode(errors='replace')!r} is "
+            "text and no numbers (<Array>), which is not read; save it without (ParaView: Pass "
+            "Arrays)"
+        )
     begin = data.index(b"<VTKFile")
     head = data[begin : data.index(b">", begin)]
     compressor = re.search(rb"""compressor\s*=\s*["'](\w+)""", head)

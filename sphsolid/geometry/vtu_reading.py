@@ -17,7 +17,15 @@ from sphsolid.geometry.unread_features import VTU_REASONS, refuse_vtu_features
 #: Arrays that number surfaces; the first of these that a VTU file has is taken before any other.
 TAG_ARRAYS = ("gmsh:physical", "tag", "tags", "boundary", "facet", "CellEntityIds", "medit:ref")
 #: Integer arrays that never name a part of the boundary.
-_NEVER_TAGS = ("gmsh:geometrical", "vtkOriginalCellIds", "GlobalIds", "vtkGhostType")
+_NEVER_TAGS = (
+    "gmsh:geometrical", "vtkOriginalCellIds", "GlobalIds", "vtkGhostType", "vtkGhostLevels",
+)  # fmt: skip
+#: Arrays by which VTK marks cells that are there a second time or not at all, what their values
+#: other than hidden mean, and the bits of a point that say that it is hidden.
+_GHOSTS = (
+    ("vtkGhostType", "duplicate, refined or at an inner edge", 2),
+    ("vtkGhostLevels", "of another piece", 0),
+)
 
 
 def read_vtu(path: Path) -> FileContent:
@@ -55,6 +63,7 @@ def read_vtu(path: Path) -> FileContent:
         f"{path} holds cells of kinds that cannot be read (voxels, polyhedra, ...); allowed are "
         f"tetrahedra or hexahedra and their facets",
     )
+    _refuse_ghosts(path, mesh)
     tags: dict[str, list[Block]] = {}
     for name, array in _tag_arrays(path, mesh).items():
         for k, block in enumerate(mesh.cells):
@@ -65,6 +74,27 @@ def read_vtu(path: Path) -> FileContent:
     return FileContent(
         mesh.points, blocks_of(mesh), {name: tuple(blocks) for name, blocks in tags.items()}
     )
+
+
+def _refuse_ghosts(path: Path, mesh: Any) -> None:
+    """Raises ``InputError`` for cells or points that the file marks as none of the body."""
+    for name, of_cells, of_points in _GHOSTS:
+        values = [np.asarray(array).ravel() for array in mesh.cell_data.get(name, [])]
+        marked = int(sum(np.count_nonzero(array) for array in values))
+        hidden = int(sum(np.count_nonzero(array.astype(np.int64) & 32) for array in values))
+        require(
+            marked == 0,
+            f"{path}: {marked} cells are ghosts by the array {name!r} ({hidden} hidden, the others "
+            f"{of_cells}), and a body has none; save the mesh without them (ParaView: Threshold "
+            f"on {name} from 0 to 0), or without the array if they are cells of the body",
+        )
+        points = np.asarray(mesh.point_data.get(name, [])).ravel().astype(np.int64)
+        marked = int(np.count_nonzero(points & of_points))
+        require(
+            marked == 0,
+            f"{path}: {marked} points are hidden by the array {name!r}, and the cells around them "
+            "with them; save the mesh without these cells, or without the array",
+        )
 
 
 def _tag_arrays(path: Path, mesh: Any) -> dict[str, list[Indices]]:

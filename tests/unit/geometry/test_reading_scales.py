@@ -48,7 +48,7 @@ def read(path: Path, text: str) -> dict[str, np.ndarray]:
     path.write_text(text)
     content = read_abaqus(path)
     reading(str(path), content, 1.0)
-    return dict(content.node_sets)
+    return {each.name: each.points for each in content.sets if each.points is not None}
 
 
 def test_sets_sort_their_members_and_nothing_else(tmp_path, work):

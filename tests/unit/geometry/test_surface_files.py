@@ -121,6 +121,8 @@ OBJ_READ = {
     "counted from the end": OBJ[: OBJ.index("f ")] + BACK,
     "lines that go on": OBJ.replace("f ", "f \\\n"),
     "line ends of Windows": OBJ.replace("\n", "\r\n").replace("f ", "f \\\r\n"),
+    "a byte order mark": "\ufeff" + OBJ,
+    "a byte order mark, facets counted from the end": "\ufeff" + OBJ[: OBJ.index("f ")] + BACK,
     "comments": "# made here\n" + OBJ.replace("f ", "# next\nf ").replace("\nv", " # one\nv"),
 }
 
@@ -143,6 +145,7 @@ def test_an_obj_file_is_read_right(tmp_path: Path, name: str) -> None:
         (OBJ + "cstype bezier\n", "curved surfaces .cstype. are not read"),
         (OBJ + "v 1 2\n", "a vertex needs three coordinates"),
         (OBJ + "v 1 2 three\n", "'v 1 2 three' cannot be read"),
+        (OBJ.replace("v", "v\0"), "is no text, or in UTF-16; save it as UTF-8"),
     ],
 )
 def test_an_obj_file_is_refused(tmp_path: Path, text: str, named: str) -> None:

@@ -240,6 +240,47 @@ def test_a_vtu_file_is_refused_by_its_feature(tmp_path):
         refused(tmp_path / "body.vtu", named)
 
 
+#: An array on the cells or points, and how the file is refused, if it is.
+ARRAYS = {
+    "hidden": ("CellData", "vtkGhostType", [32, *[0] * 7],
+               r"1 cells are ghosts by the array 'vtkGhostType' \(1 hidden, .* Threshold on"),
+    "duplicate": ("CellData", "vtkGhostType", [0, 1, 1, *[0] * 5], "2 cells are ghosts"),
+    "both": ("CellData", "vtkGhostType", [33] * 8, "8 cells are ghosts"),
+    "of an old version": ("CellData", "vtkGhostLevels", [*[0] * 7, 1], "'vtkGhostLevels'"),
+    "none": ("CellData", "vtkGhostType", [0] * 8, ""),
+    "hidden points": ("PointData", "vtkGhostType", [2, *[0] * 26], "1 points are hidden"),
+    "duplicate points": ("PointData", "vtkGhostType", [1, *[0] * 26], ""),
+}
+
+
+@pytest.mark.parametrize("name", ARRAYS)
+def test_cells_that_are_marked_as_none_of_the_body_are_refused(tmp_path, name):
+    where, array, values, named = ARRAYS[name]
+    path = vtu(tmp_path)
+    data = f'<DataArray type="UInt8" Name="{array}" format="ascii">{" ".join(map(str, values))}'
+    path.write_text(path.read_text().replace(
+        "</Piece>", f"<{where}>{data}</DataArray></{where}></Piece>"
+    ))  # fmt: skip
+    if named:
+        refused(path, named)
+    else:
+        assert len(MeshFile(path).read().mesh.cells) == 8
+
+
+@pytest.mark.parametrize(("before", "holder"), [("<Piece", "FieldData"), ("</Piece>", "CellData")])
+def test_an_array_of_text_is_refused_by_its_name(tmp_path, before, holder):
+    path = vtu(tmp_path)
+    text = '<Array type="String" Name="part" format="ascii">98 111 120 0</Array>'
+    path.write_text(path.read_text().replace(before, f"<{holder}>{text}</{holder}>{before}", 1))
+    refused(path, r"its array 'part' is text and no numbers .* save it without")
+
+
+def test_a_byte_order_mark_before_xml_is_no_news(tmp_path):
+    path = vtu(tmp_path)
+    path.write_bytes(b"\xef\xbb\xbf" + path.read_bytes())
+    assert len(MeshFile(path).read().mesh.cells) == 8
+
+
 def test_voxels_in_single_quotes_are_not_lost(tmp_path):
     """meshio leaves them out; their number gives it away."""
     path = vtu(tmp_path, (*(12,) * 7, 11))
