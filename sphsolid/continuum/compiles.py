@@ -81,9 +81,11 @@ def _what_fails(material: Any, failure: Exception) -> str:
         except Exception as alone:
             which, why = name, alone
             break
+    kind: Any = type(material)
+    name = kind.__base__.__name__
     return (
-        f"law {type(material).__base__.__name__}: kernels cannot compile {which}: "
-        f"{_telling(str(why))}; use the fields of the parameters, numbers, tuples, functions of "
+        f"law {name}: kernels cannot compile {which}: "
+        f"{_telling(str(why).replace(kind.__name__, name))}; use the fields of the parameters, numbers, tuples, functions of "
         "the same kind, and math or NumPy functions only (docs/laws.md)"
     )
 

@@ -33,7 +33,8 @@ from sphsolid.continuum.known_by_name import known_by_name
 from sphsolid.continuum.reduced import parts_of, put_together
 from sphsolid.errors import InputError
 
-_PLAIN = {bool, int, float, complex, str, bytes, type(None), type(Ellipsis)}
+_PLAIN = {bool, int, float, complex, str, bytes, type(None), type(Ellipsis),
+          type(NotImplemented)}  # fmt: skip
 _copies = itertools.count()
 
 
@@ -88,7 +89,7 @@ class LawSource:
         ``attributes`` are the names that may be asked of a module.  Raises ``InputError`` for what
         cannot be followed.
         """
-        if type(thing) in _PLAIN or isinstance(thing, np.dtype):
+        if type(thing) in _PLAIN or isinstance(thing, np.dtype | numba.types.Type):
             self.note(type(thing).__name__, repr(thing))
             return thing
         if isinstance(thing, np.generic):
@@ -119,6 +120,7 @@ class LawSource:
 
     def attributes(self, kind: type) -> dict[str, Any]:
         """Hash what a class holds, and return copies of it by name."""
+        self.note(*map(known_by_name, kind.__mro__))
         return {name: self._attribute(name, value) for name, value in attributes_of(kind)}
 
     def _attribute(self, name: str, value: Any) -> Any:
@@ -175,6 +177,8 @@ class LawSource:
         if type(thing) in (set, frozenset) and all(type(item) in _PLAIN for item in thing):
             self.note("set", sorted(map(repr, thing)))
             return type(thing)(thing)
+        if type(thing).__module__.startswith("numba."):
+            raise self._refusal(thing, "cannot be followed")
         try:
             parts = parts_of(thing)
         except Exception:

@@ -23,7 +23,8 @@ def put_together(parts: list[Any]) -> Any:
         made.__setstate__(state)
     elif state is not None:
         named, slots = state if isinstance(state, tuple) and len(state) == 2 else (state, None)
-        vars(made).update(named or {})
+        if named:
+            vars(made).update(named)
         for name, value in (slots or {}).items():
             object.__setattr__(made, name, value)
     if items:
