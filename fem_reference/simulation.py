@@ -6,6 +6,7 @@ import copy
 import math
 import time
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from numbers import Real
 from pathlib import Path
 from typing import Any
@@ -80,7 +81,8 @@ class Simulation:
             raise InputError(
                 f"element = {element!r} is no element technology; use BBarHex() or TaylorHoodHex()"
             )
-        check_first_use(scene.material)
+        #: The law and its parameters as they are now; what is done to its text later is not seen.
+        self.material = check_first_use(scene.material)
         self.scene = scene
         self.element = element
         self.cfl = cfl
@@ -95,7 +97,7 @@ class Simulation:
         mesh = hexahedra(scene.body.mesh(edge), f"element = {element.name}")
         check_probes(scene, mesh)
         sk = scikit_fem_mesh(mesh)
-        self._elements = element.discretise(mesh=mesh, sk=sk, material=scene.material)
+        self._elements = element.discretise(mesh=mesh, sk=sk, material=self.material)
         self._mesh = self._elements.mesh
         self._loads = loads_of(scene, sk, self._elements.load_shapes)
         self._essential = EssentialConditions.of(scene.constraints, self._mesh)
@@ -103,8 +105,8 @@ class Simulation:
         # One object for all snapshots, so that what is made for it can be kept.
         self._shown_mesh = protected(self._mesh)
         self._V = self._elements.nodal_volumes
-        self._mass = (scene.material.density * self._V)[:, None]
-        self._wave_speed = reference_p_wave_speed(scene.material)
+        self._mass = (self.material.density * self._V)[:, None]
+        self._wave_speed = reference_p_wave_speed(self.material)
         self._wall_time = 0.0
         self._smallest_dt = math.inf
         self._account: Account | NoAccount = NoAccount()
@@ -181,7 +183,7 @@ class Simulation:
         return Snapshot(
             time=self.time,
             step=self.step,
-            material=self.scene.material,
+            material=self.material,
             mesh=self._shown_mesh,
             X=X,
             V=V,
@@ -210,7 +212,7 @@ class Simulation:
         self._start_energy = np.array(start.kinetic_energy + start.strain_energy)
 
     def _momentum(self) -> Array:
-        return total_momentum(self._V, self.scene.material.density, self._x, self._v)
+        return total_momentum(self._V, self.material.density, self._x, self._v)
 
     def _balance(self) -> Balance | NotTracked:
         account = self._account
@@ -246,6 +248,11 @@ class Simulation:
         """Set up again where it is copied or unpickled, and put into the state of now."""
         return rebuilt, (type(self), self.scene, self._arguments, checkpoint_of(self))
 
+    def __deepcopy__(self, memo: dict[int, Any]) -> Simulation:
+        """Set up again with the law as it was here, and put into the state of now."""
+        scene = copy.deepcopy(replace(self.scene, material=self.material), memo)
+        return rebuilt(type(self), scene, self._arguments, checkpoint_of(self))
+
     def __copy__(self) -> Simulation:
         """As a deep copy: two simulations of one state would each move the other's."""
         return copy.deepcopy(self)
@@ -261,7 +268,7 @@ class Simulation:
     def identity(self) -> dict[str, str]:
         """What a checkpoint must agree on with the simulation that takes it over."""
         options = {"method": "FEM", "element": repr(self.element), "cfl": repr(self.cfl)}
-        return common_identity(self.scene, self._mesh, self._V) | options
+        return common_identity(self.scene, self.material, self._mesh, self._V) | options
 
     def samples(self, times: Sequence[float]) -> Samples:
         """What the scene's functions say at ``times`` [s], by which a checkpoint knows them."""

@@ -87,7 +87,7 @@ def _why(sim: Simulation) -> str:
 def _limit(sim: Simulation) -> str:
     others = {"formulation", "integrator", "cfl"}
     if others.union(sim.by_default) >= {"stabilisation", "h_over_dx", "operator", "smoothing"}:
-        limit = stability_limit(sim.integrator, sim.formulation, sim.scene.material)
+        limit = stability_limit(sim.integrator, sim.formulation, sim.material)
         if isinstance(limit, NotTabulated):
             return "no stability limit is tabulated: python -m studies.stability"
         return (

@@ -133,14 +133,15 @@ class Simulation:
         #: Options that were left to ``sphsolid.defaults``.
         self.by_default = tuple(name for name, value in given.items() if value is None)
         self.scene = scene
-        check_first_use(scene.material)
+        #: The law and its parameters as they are now; what is done to its text later is not seen.
+        self.material = check_first_use(scene.material)
         _known("integrator", integrator, TVDRK2, SSPRK3, PositionVerlet)
         self.integrator: Integrator = default_integrator() if integrator is None else integrator
         self.advice = recommend(scene)
         self.formulation = self.advice.formulation if formulation is None else formulation
         check_formulation(self.formulation)
         if cfl == "auto":
-            cfl = largest_stable_cfl(self.integrator, self.formulation, scene.material)
+            cfl = largest_stable_cfl(self.integrator, self.formulation, self.material)
         cfl = default_cfl(self.integrator) if cfl is None else cfl
         check_cfl(cfl)
         if stabilisation is not None:
@@ -149,7 +150,7 @@ class Simulation:
         check_probes(scene, mesh)
         if stabilisation is None:
             stabilisation = default_stabilisation(
-                self.formulation, scene.material, secondary=default_secondary(mesh)
+                self.formulation, self.material, secondary=default_secondary(mesh)
             )
             check_pair(self.formulation, stabilisation)
         self.stabilisation: Stabilisation = stabilisation
@@ -198,7 +199,7 @@ class Simulation:
         self._time_step = TimeStep(
             cfl=cfl,
             h_min=self._shortest_length(),
-            wave_speed=reference_p_wave_speed(scene.material),
+            wave_speed=reference_p_wave_speed(self.material),
             size=self.cloud.size,
         )
         self._watch = MomentumWatch(np.zeros((2, 3)))
@@ -213,7 +214,7 @@ class Simulation:
 
     def _right_hand_side(self) -> RightHandSide:
         return RightHandSide(
-            material=self.scene.material,
+            material=self.material,
             cloud=self.cloud,
             secondary=self.secondary,
             formulation=self.formulation,
@@ -294,7 +295,7 @@ class Simulation:
         if self.cloud.mesh.is_lattice:
             return self.cloud.h_min
         omega = highest_frequency(self._rhs)
-        resolved = 2.0 * reference_p_wave_speed(self.scene.material)
+        resolved = 2.0 * reference_p_wave_speed(self.material)
         return resolved / omega if omega * self.cloud.h_min > resolved else self.cloud.h_min
 
     @property
@@ -310,7 +311,7 @@ class Simulation:
         Where the volume of the law stiffens with compression (``law.stiffening``), the step is
         that much shorter.
         """
-        s, material = self._state, self.scene.material
+        s, material = self._state, self.material
         allowed = self._time_step.stable(
             self.formulation.evolves_J, s, self.cloud.X, self.time, self.step, self._rhs.scratch
         )
@@ -349,7 +350,7 @@ class Simulation:
         self._start_energy = np.array(start.kinetic_energy + start.strain_energy)
 
     def _momentum(self) -> np.ndarray:
-        s, density = self._state, self.scene.material.density
+        s, density = self._state, self.material.density
         return total_momentum(self.cloud.V, density, s.x, s.p / density)
 
     def _balance(self) -> Balance | NotTracked:
@@ -406,7 +407,7 @@ class Simulation:
                 "initial_strain", "integrator",
             )
         } | {"smoothing": repr(self.cloud.smoothing), "cfl": repr(self._time_step.cfl)}  # fmt: skip
-        common = common_identity(self.scene, self.cloud.mesh, self.cloud.V)
+        common = common_identity(self.scene, self.material, self.cloud.mesh, self.cloud.V)
         return common | {"method": "SPH"} | options
 
     def samples(self, times: Sequence[float]) -> Samples:
@@ -437,7 +438,7 @@ class Simulation:
 
     def snapshot(self) -> Snapshot:
         """Copies of the state now, with the constitutive stress ``P(F, H, J)``."""
-        s, f, material = self._state, self.formulation, self.scene.material
+        s, f, material = self._state, self.formulation, self.material
         F = split(s.F)
         H = split(s.H) if f.evolves_H else cofactor(F)
         J = s.J if f.evolves_J else determinant(F)

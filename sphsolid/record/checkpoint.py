@@ -14,7 +14,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sphsolid.compiled import KERNEL_HASH, description
-from sphsolid.continuum.law_registry import in_kernels
 from sphsolid.errors import InputError
 from sphsolid.geometry.mesh import Mesh
 from sphsolid.paths import path_of
@@ -180,9 +179,10 @@ def _write_over(targets: dict[str, Array], checkpoint: Checkpoint, what: str) ->
         target[...] = checkpoint.arrays[name]
 
 
-def common_identity(scene: Scene, mesh: Mesh, V: Array) -> dict[str, str]:
+def common_identity(scene: Scene, material: Any, mesh: Mesh, V: Array) -> dict[str, str]:
     """What any method must agree on: problem, points, probes, sources and libraries.
 
+    ``material`` is the law that the solver runs, as it was when the solver was built.
     Loads, motions and initial data are functions, of which there are :mod:`samples`.
     """
     libraries = description()
@@ -194,7 +194,7 @@ def common_identity(scene: Scene, mesh: Mesh, V: Array) -> dict[str, str]:
         "scene": scene.name,
         "material": repr(scene.material),
         # The text of a law of the user's own, by its hash.
-        "law": type(in_kernels(scene.material)).__name__,
+        "law": type(material).__name__,
         "constraints": ", ".join(held) or "none",
         "loads": ", ".join(loaded) or "none",
         "points": _hash(mesh.vertices, V),
