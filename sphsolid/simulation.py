@@ -196,7 +196,8 @@ class Simulation:
         self._rhs = self._right_hand_side()
         self._rhs.loads.at(0.0)
         self.initial_strain = self._chosen_strain(initial_strain)
-        if isinstance(self.initial_strain, Compatible):
+        if isinstance(self.initial_strain, Compatible) and initial_strain is None:
+            # Whoever asks for Compatible() knows that the stated F is left out.
             refuse_contradiction(scene, self.cloud.X)
         self._state = initial_state(scene, self._rhs, self.initial_strain)
         #: The stable step [s] of the state as it is; nan where nobody has asked for it yet.

@@ -25,8 +25,8 @@ Array = NDArray[np.float64]
 Samples = dict[str, Array]
 #: Relative difference up to which numbers are the same: another processor may round otherwise.
 SAME = 1.0e-9
-#: Instants of a span besides its ends: no gap is wider than about a fiftieth of it.
-_INSTANTS = 64
+#: Instants of a span besides its ends: no gap is wider than a fiftieth of it.
+_INSTANTS = 128
 #: Half steps ahead of a checkpoint that are sampled.
 _AHEAD = 8
 _GOLDEN = 0.6180339887498949

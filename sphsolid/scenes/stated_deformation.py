@@ -47,7 +47,7 @@ def refuse_contradiction(scene: Scene, X: Array) -> None:
             f"scene {scene.name!r}: initial_deformation_gradient contradicts initial_displacement "
             f"at {len(bad)} of {len(X)} points, by {missed[a]:.3g} at X = {X[a].tolist()} m, and "
             "this method starts from the displacement alone; state F = I + grad u, leave F out, or "
-            "use sphsolid.Simulation with initial_strain = Given()"
+            "give sphsolid.Simulation initial_strain = Given(), or Compatible() to start without it"
         )
 
 
