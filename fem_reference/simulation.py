@@ -7,7 +7,6 @@ import math
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from numbers import Real
 from pathlib import Path
 from typing import Any
 
@@ -33,12 +32,14 @@ from sphsolid.record.balance import Balance, MomentumWatch, NotTracked, total_mo
 from sphsolid.record.checkpoint import ACCOUNT, checkpoint_of, common_identity, rebuilt
 from sphsolid.record.output import NO_OUTPUT
 from sphsolid.record.placement import Placement
+from sphsolid.record.plain import plain
 from sphsolid.record.positions import PositionWatch
 from sphsolid.record.probes import check_probes
 from sphsolid.record.recorders import Recorder
 from sphsolid.record.samples import Sampler, Samples
-from sphsolid.scenes.checks import number
+from sphsolid.scenes.checks import as_float, number
 from sphsolid.scenes.scene import Scene, check_scene
+from sphsolid.scenes.stated_deformation import NOT_USED, refuse_contradiction
 
 Array = NDArray[np.float64]
 
@@ -71,9 +72,9 @@ class Simulation:
         stable step, in (0, 1].
         """
         check_scene(scene)
-        asked: Any = cfl
+        asked = as_float(cfl)
         require(
-            isinstance(asked, Real) and 0.0 < float(asked) <= 1.0,
+            isinstance(asked, float) and 0.0 < asked <= 1.0,
             f"cfl = {cfl!r} is outside (0, 1]; central differences are stable to about 0.85, use "
             "0.6",
         )
@@ -85,13 +86,13 @@ class Simulation:
         self.material = check_first_use(scene.material)
         self.scene = scene
         self.element = element
-        self.cfl = cfl
+        self.cfl: float = asked
         #: What was seen of the positions: see ``sphsolid.record.positions``.
         self.positions = PositionWatch(every=LOOK_EVERY)
         self.time = 0.0
         self.step = 0
         if not isinstance(spacing, AsMeshed):
-            number("spacing", spacing, "m")
+            spacing = number("spacing", spacing, "m")
         edge = spacing if isinstance(spacing, AsMeshed) else element.cell_size(spacing)
         self._arguments = {"spacing": spacing, "element": element, "cfl": cfl}
         mesh = hexahedra(scene.body.mesh(edge), f"element = {element.name}")
@@ -114,6 +115,7 @@ class Simulation:
         self._reaction_force = np.zeros((len(self._essential.nodes), 3))
         self._start_energy = np.zeros(())
 
+        refuse_contradiction(scene, self._mesh.vertices)
         displacement, velocity = scene.initial_state(self._mesh.vertices)
         self._x = self._mesh.vertices + displacement
         self._v = velocity.copy()
@@ -267,7 +269,7 @@ class Simulation:
 
     def identity(self) -> dict[str, str]:
         """What a checkpoint must agree on with the simulation that takes it over."""
-        options = {"method": "FEM", "element": repr(self.element), "cfl": repr(self.cfl)}
+        options = {"method": "FEM", "element": plain(self.element), "cfl": plain(self.cfl)}
         return common_identity(self.scene, self.material, self._mesh, self._V) | options
 
     def samples(self, times: Sequence[float]) -> Samples:
@@ -313,6 +315,7 @@ class Simulation:
                 f"  essential    {len(self._essential.nodes)} constrained nodes, "
                 f"{moving} constraints with a prescribed motion",
                 f"  loads        {loads}",
+                *([f"  initial F    {NOT_USED}"] if self.scene.states_deformation else []),
                 f"  memory       {self._nbytes() / 2**20:.1f} MiB of arrays",
                 f"  threads      {threads()}",
             )

@@ -53,6 +53,7 @@ from sphsolid.record.placement import (
     Placement,
     SecondaryGradient,
 )
+from sphsolid.record.plain import plain
 from sphsolid.record.positions import PositionWatch
 from sphsolid.record.probes import check_probes
 from sphsolid.record.progress import Progress
@@ -60,8 +61,9 @@ from sphsolid.record.recorders import Recorder
 from sphsolid.record.samples import Sampler, Samples
 from sphsolid.record.snapshot import Snapshot
 from sphsolid.record.vtu import write_vtu
-from sphsolid.scenes.checks import number
-from sphsolid.scenes.scene import FromGeometry, Scene, check_scene
+from sphsolid.scenes.checks import as_float, number
+from sphsolid.scenes.scene import Scene, check_scene
+from sphsolid.scenes.stated_deformation import refuse_contradiction
 from sphsolid.scheme.boundary import EssentialConditions, Loads
 from sphsolid.scheme.elastic_response import highest_frequency
 from sphsolid.scheme.formulation import Formulation
@@ -117,6 +119,7 @@ class Simulation:
     ) -> None:
         started = clock.perf_counter()
         check_scene(scene)
+        spacing, h_over_dx, cfl = as_float(spacing), as_float(h_over_dx), as_float(cfl)
         given = {
             "stabilisation": stabilisation, "h_over_dx": h_over_dx, "integrator": integrator,
             "cfl": cfl, "formulation": formulation, "operator": operator, "smoothing": smoothing,
@@ -143,6 +146,8 @@ class Simulation:
         if cfl == "auto":
             cfl = largest_stable_cfl(self.integrator, self.formulation, self.material)
         cfl = default_cfl(self.integrator) if cfl is None else cfl
+        if isinstance(cfl, bool):
+            raise InputError(f"cfl = {cfl} is not a number; 0.3 is the paper's value")
         check_cfl(cfl)
         if stabilisation is not None:
             check_pair(self.formulation, stabilisation)
@@ -192,6 +197,9 @@ class Simulation:
         self._rhs = self._right_hand_side()
         self._rhs.loads.at(0.0)
         self.initial_strain = self._chosen_strain(initial_strain)
+        if isinstance(self.initial_strain, Compatible) and initial_strain is None:
+            # Whoever asks for Compatible() knows that the stated F is left out.
+            refuse_contradiction(scene, self.cloud.X)
         self._state = initial_state(scene, self._rhs, self.initial_strain)
         #: The stable step [s] of the state as it is; nan where nobody has asked for it yet.
         self._allowed = math.nan
@@ -265,7 +273,7 @@ class Simulation:
         ).replace(" ", "_")
 
     def _chosen_strain(self, asked: InitialStrain | None) -> InitialStrain:
-        stated = not isinstance(self.scene.initial_deformation_gradient, FromGeometry)
+        stated = self.scene.states_deformation
         if isinstance(asked, Given) and not (stated and self.formulation.evolves_F):
             raise InputError(
                 "initial_strain = Given() needs a scene that states its "
@@ -401,12 +409,13 @@ class Simulation:
     def identity(self) -> dict[str, str]:
         """What a checkpoint must agree on with the simulation that takes it over."""
         options = {
-            name: repr(getattr(self, name))
+            name: plain(getattr(self, name))
             for name in (
                 "formulation", "stabilisation", "operator", "h_over_dx", "angular_momentum",
                 "initial_strain", "integrator",
             )
-        } | {"smoothing": repr(self.cloud.smoothing), "cfl": repr(self._time_step.cfl)}  # fmt: skip
+        }  # fmt: skip
+        options |= {"smoothing": plain(self.cloud.smoothing), "cfl": plain(self._time_step.cfl)}
         common = common_identity(self.scene, self.material, self.cloud.mesh, self.cloud.V)
         return common | {"method": "SPH"} | options
 
