@@ -6,7 +6,7 @@ import copy
 import math
 import time
 from collections.abc import Callable, Sequence
-from numbers import Real
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -32,12 +32,14 @@ from sphsolid.record.balance import Balance, MomentumWatch, NotTracked, total_mo
 from sphsolid.record.checkpoint import ACCOUNT, checkpoint_of, common_identity, rebuilt
 from sphsolid.record.output import NO_OUTPUT
 from sphsolid.record.placement import Placement
+from sphsolid.record.plain import plain
 from sphsolid.record.positions import PositionWatch
 from sphsolid.record.probes import check_probes
 from sphsolid.record.recorders import Recorder
 from sphsolid.record.samples import Sampler, Samples
-from sphsolid.scenes.checks import number
+from sphsolid.scenes.checks import as_float, number
 from sphsolid.scenes.scene import Scene, check_scene
+from sphsolid.scenes.stated_deformation import NOT_USED, refuse_contradiction
 
 Array = NDArray[np.float64]
 
@@ -70,9 +72,9 @@ class Simulation:
         stable step, in (0, 1].
         """
         check_scene(scene)
-        asked: Any = cfl
+        asked = as_float(cfl)
         require(
-            isinstance(asked, Real) and 0.0 < float(asked) <= 1.0,
+            isinstance(asked, float) and 0.0 < asked <= 1.0,
             f"cfl = {cfl!r} is outside (0, 1]; central differences are stable to about 0.85, use "
             "0.6",
         )
@@ -80,22 +82,23 @@ class Simulation:
             raise InputError(
                 f"element = {element!r} is no element technology; use BBarHex() or TaylorHoodHex()"
             )
-        check_first_use(scene.material)
+        #: The law and its parameters as they are now; what is done to its text later is not seen.
+        self.material = check_first_use(scene.material)
         self.scene = scene
         self.element = element
-        self.cfl = cfl
+        self.cfl: float = asked
         #: What was seen of the positions: see ``sphsolid.record.positions``.
         self.positions = PositionWatch(every=LOOK_EVERY)
         self.time = 0.0
         self.step = 0
         if not isinstance(spacing, AsMeshed):
-            number("spacing", spacing, "m")
+            spacing = number("spacing", spacing, "m")
         edge = spacing if isinstance(spacing, AsMeshed) else element.cell_size(spacing)
         self._arguments = {"spacing": spacing, "element": element, "cfl": cfl}
         mesh = hexahedra(scene.body.mesh(edge), f"element = {element.name}")
         check_probes(scene, mesh)
         sk = scikit_fem_mesh(mesh)
-        self._elements = element.discretise(mesh=mesh, sk=sk, material=scene.material)
+        self._elements = element.discretise(mesh=mesh, sk=sk, material=self.material)
         self._mesh = self._elements.mesh
         self._loads = loads_of(scene, sk, self._elements.load_shapes)
         self._essential = EssentialConditions.of(scene.constraints, self._mesh)
@@ -103,8 +106,8 @@ class Simulation:
         # One object for all snapshots, so that what is made for it can be kept.
         self._shown_mesh = protected(self._mesh)
         self._V = self._elements.nodal_volumes
-        self._mass = (scene.material.density * self._V)[:, None]
-        self._wave_speed = reference_p_wave_speed(scene.material)
+        self._mass = (self.material.density * self._V)[:, None]
+        self._wave_speed = reference_p_wave_speed(self.material)
         self._wall_time = 0.0
         self._smallest_dt = math.inf
         self._account: Account | NoAccount = NoAccount()
@@ -112,6 +115,7 @@ class Simulation:
         self._reaction_force = np.zeros((len(self._essential.nodes), 3))
         self._start_energy = np.zeros(())
 
+        refuse_contradiction(scene, self._mesh.vertices)
         displacement, velocity = scene.initial_state(self._mesh.vertices)
         self._x = self._mesh.vertices + displacement
         self._v = velocity.copy()
@@ -181,7 +185,7 @@ class Simulation:
         return Snapshot(
             time=self.time,
             step=self.step,
-            material=self.scene.material,
+            material=self.material,
             mesh=self._shown_mesh,
             X=X,
             V=V,
@@ -210,7 +214,7 @@ class Simulation:
         self._start_energy = np.array(start.kinetic_energy + start.strain_energy)
 
     def _momentum(self) -> Array:
-        return total_momentum(self._V, self.scene.material.density, self._x, self._v)
+        return total_momentum(self._V, self.material.density, self._x, self._v)
 
     def _balance(self) -> Balance | NotTracked:
         account = self._account
@@ -246,6 +250,11 @@ class Simulation:
         """Set up again where it is copied or unpickled, and put into the state of now."""
         return rebuilt, (type(self), self.scene, self._arguments, checkpoint_of(self))
 
+    def __deepcopy__(self, memo: dict[int, Any]) -> Simulation:
+        """Set up again with the law as it was here, and put into the state of now."""
+        scene = copy.deepcopy(replace(self.scene, material=self.material), memo)
+        return rebuilt(type(self), scene, self._arguments, checkpoint_of(self))
+
     def __copy__(self) -> Simulation:
         """As a deep copy: two simulations of one state would each move the other's."""
         return copy.deepcopy(self)
@@ -260,8 +269,8 @@ class Simulation:
 
     def identity(self) -> dict[str, str]:
         """What a checkpoint must agree on with the simulation that takes it over."""
-        options = {"method": "FEM", "element": repr(self.element), "cfl": repr(self.cfl)}
-        return common_identity(self.scene, self._mesh, self._V) | options
+        options = {"method": "FEM", "element": plain(self.element), "cfl": plain(self.cfl)}
+        return common_identity(self.scene, self.material, self._mesh, self._V) | options
 
     def samples(self, times: Sequence[float]) -> Samples:
         """What the scene's functions say at ``times`` [s], by which a checkpoint knows them."""
@@ -306,6 +315,7 @@ class Simulation:
                 f"  essential    {len(self._essential.nodes)} constrained nodes, "
                 f"{moving} constraints with a prescribed motion",
                 f"  loads        {loads}",
+                *([f"  initial F    {NOT_USED}"] if self.scene.states_deformation else []),
                 f"  memory       {self._nbytes() / 2**20:.1f} MiB of arrays",
                 f"  threads      {threads()}",
             )

@@ -10,6 +10,9 @@ import numpy as np
 from sphsolid.cloud.lengths import Local
 from sphsolid.compiled import description
 from sphsolid.defaults import NotTabulated, stability_limit
+from sphsolid.recommendation import NotMeasured
+from sphsolid.scenes.stated_deformation import NOT_USED
+from sphsolid.scheme.initial_strain import Compatible
 from sphsolid.scheme.intrinsic_time import IntrinsicTime, OfStep, Units
 from sphsolid.scheme.stabilisation import SUPG
 
@@ -36,19 +39,27 @@ def plan(sim: Simulation) -> str:
         "fields         p, x" + (", F" if f.evolves_F else " (F from the geometry)")
         + (", H" if f.evolves_H else " (H = cof F)")
         + (", J" if f.evolves_J else " (J = det F)"),
-        "initial strain " + type(sim.initial_strain).__name__,
+        "initial strain " + type(sim.initial_strain).__name__ + _ignored(sim),
         "projection     " + type(sim.angular_momentum).__name__,
         "stabilisation  " + _stabilisation(sim),
         f"integrator     {sim.integrator.name}, CFL {step.cfl:g} ({_limit(sim)}), undeformed step "
         f"{step.reference:.4g} s, at least {steps} steps and {steps * sim.integrator.stages} "
         f"evaluations to {sim.scene.end_time:.4g} s: the step shrinks with the smallest stretch of "
         "a particle",
-        *([f"formulation    {sim.advice.reason}"] if "formulation" in sim.by_default else []),
+        *_advice(sim),
         "by default     " + (", ".join(sim.by_default) or "nothing: every option was given"),
         f"memory         {memory / 1e6:.1f} MB, {memory / c.size:.0f} B a particle",
         f"threads        {cost['threads']} ({cost['threading_layer']})",
     ]
     return "\n".join(lines)
+
+
+def _advice(sim: Simulation) -> list[str]:
+    if "formulation" not in sim.by_default:
+        return []
+    evidence, active = sim.advice.evidence, sim.stabilisation.name
+    same = isinstance(evidence, NotMeasured) or evidence.stabilisation == active
+    return [f"formulation    {sim.advice.reason}" + ("" if same else f"; active here: {active}")]
 
 
 def _support(sim: Simulation) -> str:
@@ -76,6 +87,11 @@ def _material(sim: Simulation) -> str:
     return text
 
 
+def _ignored(sim: Simulation) -> str:
+    unused = sim.scene.states_deformation and isinstance(sim.initial_strain, Compatible)
+    return f"; {NOT_USED}" if unused else ""
+
+
 def _why(sim: Simulation) -> str:
     if "operator" not in sim.by_default:
         return ""
@@ -87,7 +103,7 @@ def _why(sim: Simulation) -> str:
 def _limit(sim: Simulation) -> str:
     others = {"formulation", "integrator", "cfl"}
     if others.union(sim.by_default) >= {"stabilisation", "h_over_dx", "operator", "smoothing"}:
-        limit = stability_limit(sim.integrator, sim.formulation, sim.scene.material)
+        limit = stability_limit(sim.integrator, sim.formulation, sim.material)
         if isinstance(limit, NotTabulated):
             return "no stability limit is tabulated: python -m studies.stability"
         return (

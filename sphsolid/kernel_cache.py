@@ -34,7 +34,8 @@ def say_not_kept(why: Exception) -> None:
     global _said_not_kept
     if not _said_not_kept:
         _said_not_kept = True
-        text = f"kernels are compiled in memory, anew in every process: {why}; set SPHSOLID_CACHE"
+        text = f"kernels are compiled in memory, anew in every process: {why}"
+        text += "" if "set SPHSOLID_CACHE" in text else "; set SPHSOLID_CACHE"
         # Not at a line of the caller: one line is all there is to say.
         warnings.warn_explicit(text, RuntimeWarning, "sphsolid", 0)
 

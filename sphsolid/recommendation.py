@@ -13,7 +13,7 @@ from pathlib import Path
 
 from sphsolid.cloud.secondary import H6
 from sphsolid.defaults import default_stabilisation, poisson_ratio
-from sphsolid.scenes.scene import Scene
+from sphsolid.scenes.scene import Scene, check_scene
 from sphsolid.scheme.formulation import PF, PFHJ, PFJ, Displacement, Formulation
 from sphsolid.scheme.stabilisation import NoStabilisation, Stabilisation
 
@@ -61,6 +61,7 @@ def recommend(scene: Scene) -> Recommendation:
     A law that depends on the cofactor gets {p, F, H, J} as in [Lee2017]; any other what the table
     says at the next larger Poisson's ratio that was tried, and above all of them at the largest.
     """
+    check_scene(scene)
     material, nu = scene.material, poisson_ratio(scene.material)
     if material.depends_on_H:
         full = PFHJ()

@@ -53,6 +53,7 @@ from sphsolid.record.placement import (
     Placement,
     SecondaryGradient,
 )
+from sphsolid.record.plain import plain
 from sphsolid.record.positions import PositionWatch
 from sphsolid.record.probes import check_probes
 from sphsolid.record.progress import Progress
@@ -60,8 +61,9 @@ from sphsolid.record.recorders import Recorder
 from sphsolid.record.samples import Sampler, Samples
 from sphsolid.record.snapshot import Snapshot
 from sphsolid.record.vtu import write_vtu
-from sphsolid.scenes.checks import number
-from sphsolid.scenes.scene import FromGeometry, Scene, check_scene
+from sphsolid.scenes.checks import as_float, number
+from sphsolid.scenes.scene import Scene, check_scene
+from sphsolid.scenes.stated_deformation import refuse_contradiction
 from sphsolid.scheme.boundary import EssentialConditions, Loads
 from sphsolid.scheme.elastic_response import highest_frequency
 from sphsolid.scheme.formulation import Formulation
@@ -117,6 +119,7 @@ class Simulation:
     ) -> None:
         started = clock.perf_counter()
         check_scene(scene)
+        spacing, h_over_dx, cfl = as_float(spacing), as_float(h_over_dx), as_float(cfl)
         given = {
             "stabilisation": stabilisation, "h_over_dx": h_over_dx, "integrator": integrator,
             "cfl": cfl, "formulation": formulation, "operator": operator, "smoothing": smoothing,
@@ -133,15 +136,18 @@ class Simulation:
         #: Options that were left to ``sphsolid.defaults``.
         self.by_default = tuple(name for name, value in given.items() if value is None)
         self.scene = scene
-        check_first_use(scene.material)
+        #: The law and its parameters as they are now; what is done to its text later is not seen.
+        self.material = check_first_use(scene.material)
         _known("integrator", integrator, TVDRK2, SSPRK3, PositionVerlet)
         self.integrator: Integrator = default_integrator() if integrator is None else integrator
         self.advice = recommend(scene)
         self.formulation = self.advice.formulation if formulation is None else formulation
         check_formulation(self.formulation)
         if cfl == "auto":
-            cfl = largest_stable_cfl(self.integrator, self.formulation, scene.material)
+            cfl = largest_stable_cfl(self.integrator, self.formulation, self.material)
         cfl = default_cfl(self.integrator) if cfl is None else cfl
+        if isinstance(cfl, bool):
+            raise InputError(f"cfl = {cfl} is not a number; 0.3 is the paper's value")
         check_cfl(cfl)
         if stabilisation is not None:
             check_pair(self.formulation, stabilisation)
@@ -149,7 +155,7 @@ class Simulation:
         check_probes(scene, mesh)
         if stabilisation is None:
             stabilisation = default_stabilisation(
-                self.formulation, scene.material, secondary=default_secondary(mesh)
+                self.formulation, self.material, secondary=default_secondary(mesh)
             )
             check_pair(self.formulation, stabilisation)
         self.stabilisation: Stabilisation = stabilisation
@@ -191,6 +197,9 @@ class Simulation:
         self._rhs = self._right_hand_side()
         self._rhs.loads.at(0.0)
         self.initial_strain = self._chosen_strain(initial_strain)
+        if isinstance(self.initial_strain, Compatible) and initial_strain is None:
+            # Whoever asks for Compatible() knows that the stated F is left out.
+            refuse_contradiction(scene, self.cloud.X)
         self._state = initial_state(scene, self._rhs, self.initial_strain)
         #: The stable step [s] of the state as it is; nan where nobody has asked for it yet.
         self._allowed = math.nan
@@ -198,7 +207,7 @@ class Simulation:
         self._time_step = TimeStep(
             cfl=cfl,
             h_min=self._shortest_length(),
-            wave_speed=reference_p_wave_speed(scene.material),
+            wave_speed=reference_p_wave_speed(self.material),
             size=self.cloud.size,
         )
         self._watch = MomentumWatch(np.zeros((2, 3)))
@@ -213,7 +222,7 @@ class Simulation:
 
     def _right_hand_side(self) -> RightHandSide:
         return RightHandSide(
-            material=self.scene.material,
+            material=self.material,
             cloud=self.cloud,
             secondary=self.secondary,
             formulation=self.formulation,
@@ -264,7 +273,7 @@ class Simulation:
         ).replace(" ", "_")
 
     def _chosen_strain(self, asked: InitialStrain | None) -> InitialStrain:
-        stated = not isinstance(self.scene.initial_deformation_gradient, FromGeometry)
+        stated = self.scene.states_deformation
         if isinstance(asked, Given) and not (stated and self.formulation.evolves_F):
             raise InputError(
                 "initial_strain = Given() needs a scene that states its "
@@ -294,7 +303,7 @@ class Simulation:
         if self.cloud.mesh.is_lattice:
             return self.cloud.h_min
         omega = highest_frequency(self._rhs)
-        resolved = 2.0 * reference_p_wave_speed(self.scene.material)
+        resolved = 2.0 * reference_p_wave_speed(self.material)
         return resolved / omega if omega * self.cloud.h_min > resolved else self.cloud.h_min
 
     @property
@@ -310,7 +319,7 @@ class Simulation:
         Where the volume of the law stiffens with compression (``law.stiffening``), the step is
         that much shorter.
         """
-        s, material = self._state, self.scene.material
+        s, material = self._state, self.material
         allowed = self._time_step.stable(
             self.formulation.evolves_J, s, self.cloud.X, self.time, self.step, self._rhs.scratch
         )
@@ -349,7 +358,7 @@ class Simulation:
         self._start_energy = np.array(start.kinetic_energy + start.strain_energy)
 
     def _momentum(self) -> np.ndarray:
-        s, density = self._state, self.scene.material.density
+        s, density = self._state, self.material.density
         return total_momentum(self.cloud.V, density, s.x, s.p / density)
 
     def _balance(self) -> Balance | NotTracked:
@@ -400,13 +409,14 @@ class Simulation:
     def identity(self) -> dict[str, str]:
         """What a checkpoint must agree on with the simulation that takes it over."""
         options = {
-            name: repr(getattr(self, name))
+            name: plain(getattr(self, name))
             for name in (
                 "formulation", "stabilisation", "operator", "h_over_dx", "angular_momentum",
                 "initial_strain", "integrator",
             )
-        } | {"smoothing": repr(self.cloud.smoothing), "cfl": repr(self._time_step.cfl)}  # fmt: skip
-        common = common_identity(self.scene, self.cloud.mesh, self.cloud.V)
+        }  # fmt: skip
+        options |= {"smoothing": plain(self.cloud.smoothing), "cfl": plain(self._time_step.cfl)}
+        common = common_identity(self.scene, self.material, self.cloud.mesh, self.cloud.V)
         return common | {"method": "SPH"} | options
 
     def samples(self, times: Sequence[float]) -> Samples:
@@ -437,7 +447,7 @@ class Simulation:
 
     def snapshot(self) -> Snapshot:
         """Copies of the state now, with the constitutive stress ``P(F, H, J)``."""
-        s, f, material = self._state, self.formulation, self.scene.material
+        s, f, material = self._state, self.formulation, self.material
         F = split(s.F)
         H = split(s.H) if f.evolves_H else cofactor(F)
         J = s.J if f.evolves_J else determinant(F)

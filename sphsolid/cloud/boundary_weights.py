@@ -102,6 +102,10 @@ def quadratically_exact_areas(mesh: Mesh) -> dict[str, Array]:
         facets = {
             name: tagged[part[tagged[:, 0]] == number] for name, tagged in mesh.faces.items()
         }
+        # A tag may lie on some parts only.
+        facets = {name: tagged for name, tagged in facets.items() if len(tagged)}
+        if not facets:
+            continue
         for name, area in _areas_of_part(mesh, facets, np.flatnonzero(part == number)).items():
             areas[name] += area
     return areas

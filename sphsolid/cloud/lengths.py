@@ -142,9 +142,8 @@ def lengths_of(mesh: Mesh, h_over_dx: float) -> Lengths:
         return Uniform(mesh.spacing, h_over_dx)
     spacing = widest_spacing(mesh)
     if np.max(spacing) <= GRADED * np.min(spacing):
-        any_kind = isinstance(mesh, HexMesh) and not isinstance(mesh, GridMesh)
         widest = mesh.widest
-        if any_kind and has_flat_cells(mesh):
+        if isinstance(mesh, HexMesh) and not isinstance(mesh, GridMesh) and has_flat_cells(mesh):
             widest = max(widest, float(np.mean(spacing)))
         return Uniform(widest, h_over_dx)
     return Local(mesh.vertices, spacing, h_over_dx, Sight.within(mesh))

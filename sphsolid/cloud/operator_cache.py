@@ -10,6 +10,7 @@ import hashlib
 import os
 import tempfile
 import zipfile
+import zlib
 from contextlib import suppress
 from pathlib import Path
 from typing import Any
@@ -38,7 +39,8 @@ def gradients_of(operator: OperatorKind, cloud: Ingredients) -> Gradients:
     except OSError:
         return operator.build(cloud)
     path = folder / f"{content_hash(operator, cloud)}.npz"
-    return _read(path) or _write(path, operator.build(cloud))
+    shapes = (len(cloud.pairs.indices), 3), (len(cloud.volumes), 3)
+    return _read(path, *shapes) or _write(path, operator.build(cloud))
 
 
 def content_hash(operator: OperatorKind, cloud: Ingredients) -> str:
@@ -59,7 +61,7 @@ def content_hash(operator: OperatorKind, cloud: Ingredients) -> str:
     return digest.hexdigest()[:32]
 
 
-def _read(path: Path) -> Gradients | None:
+def _read(path: Path, pairs: tuple[int, int], areas: tuple[int, int]) -> Gradients | None:
     try:
         with np.load(path, allow_pickle=False) as file:
             kinematic = file["kinematic"]
@@ -67,7 +69,11 @@ def _read(path: Path) -> Gradients | None:
             found = Gradients(
                 kinematic, force, file["areas"], int(file["iterations"]), float(file["change"])
             )
-    except (OSError, EOFError, KeyError, ValueError, zipfile.BadZipFile):
+    except (OSError, EOFError, KeyError, TypeError, ValueError, zipfile.BadZipFile, zlib.error):
+        return None
+    wanted = (found.kinematic, pairs), (found.force, pairs), (found.areas, areas)
+    if any(part.shape != shape or part.dtype != np.float64 for part, shape in wanted):
+        # Readable, but not what belongs to these particles.
         return None
     # The time of the last use decides what makes room; a cache of others may be read-only.
     with suppress(OSError):

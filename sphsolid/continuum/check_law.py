@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sphsolid.continuum import law
+from sphsolid.continuum.compiles import require_compilable
 from sphsolid.continuum.law_registry import in_kernels, law_of
 from sphsolid.continuum.moduli import first_lame
 from sphsolid.continuum.tensor import IDENTITY, add, axpy, cofactor, cross, determinant, join, split
@@ -72,9 +73,10 @@ def check_law(material: Any) -> None:
         raise InputError(contradiction or moduli)
 
 
-def check_first_use(material: Any) -> None:
-    """:func:`check_law` when a solver meets a law; some milliseconds, remembered.
+def check_first_use(material: Any) -> Any:
+    """:func:`check_law` when a solver meets a law; remembered.  Returns ``in_kernels(material)``.
 
+    Kernels must be able to compile a law of the user's own (``compiles``).
     A law whose ``mu`` or ``kappa`` is not the stiffness of its energy may run: solvers ask the law
     for its wave speed.  Its stabilisation goes by the parameters, and one warning says so.
     """
@@ -86,6 +88,9 @@ def check_first_use(material: Any) -> None:
             f"{moduli}; the time step follows the energy, stabilisation the parameters",
             stacklevel=3,
         )
+    frozen = in_kernels(material)
+    require_compilable(frozen)
+    return frozen
 
 
 def _verdict(material: Any) -> tuple[str, str]:

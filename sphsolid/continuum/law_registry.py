@@ -121,14 +121,17 @@ def in_kernels(material: Any) -> Any:
 
     Of a law of this package, ``material`` itself.  Of any other, a type that is new whenever
     something that makes up the law has changed, so that neither a kernel in memory nor one on disk
-    can be older than the law; see ``law_source`` and ``law_types``.
+    can be older than the law; see ``law_source`` and ``law_types``.  What comes back is the law as
+    it is now, for kernels and for plain Python: nothing done to the law's text, constants or class
+    afterwards changes it.  Raises ``InputError`` where the law reads what cannot be followed.
     """
     kind = type(material)
     law = law_of(kind)
     if is_ours(kind):
         return material
-    source = LawSource()
+    source = LawSource(kind.__name__)
     source.note(kind.__name__, kind._fields)
+    attributes = source.attributes(kind)
     functions = {
         which: source.read(getattr(law, which))
         for which in ("energy", "conjugate_stresses", "first_piola", "hessian_action")
@@ -139,7 +142,7 @@ def in_kernels(material: Any) -> Any:
     digest = source.digest
     if digest not in _IN_KERNELS:
         source.compilable()
-        made = kernel_type(digest, kind, _again)
+        made = kernel_type(digest, kind, attributes, _again)
         _LAWS[made] = _law(functions, stated)
         _compilable(_LAWS[made])
         _IN_KERNELS[digest] = made

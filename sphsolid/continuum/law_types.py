@@ -19,15 +19,22 @@ _PREFIX = "Law_"
 _KNOWN: dict[str, type] = {}
 
 
-def kernel_type(digest: str, parameters: type, again: Callable[..., Any]) -> type:
+def kernel_type(
+    digest: str, parameters: type, attributes: dict[str, Any], again: Callable[..., Any]
+) -> type:
     """The subclass of ``parameters`` that stands for the law with this ``digest``.
 
-    A copy or a pickle of an instance is ``again(parameters, values)``.
+    It has its own copies of the ``attributes`` of ``parameters``.  An instance is its own copy,
+    since nothing in it can change; a pickle of it is ``again(parameters, values)``.
     """
     name = _PREFIX + digest
-    content = {
+    own = {word: value for word, value in attributes.items() if not word.startswith("__")}
+    content = own | {
         "__slots__": (),
         "__module__": __name__,
+        "__copy__": lambda material: material,
+        "__deepcopy__": lambda material, memo: material,
+        "__repr__": lambda material: repr(tuple.__new__(parameters, material)),
         "__reduce__": lambda material: (again, (parameters, tuple(material))),
     }
     made = type(name, (parameters,), content)

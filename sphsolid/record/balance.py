@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 import numpy as np
 from numpy.typing import NDArray
+
+from sphsolid.geometry.mesh import read_only
 
 Array = NDArray[np.float64]
 #: Works a method may report; those it does not have are zero.
@@ -44,6 +46,19 @@ class Balance:
     largest_step_drift: Array
     reaction_impulse: dict[str, Array]
     reaction_force: dict[str, Array]
+
+    def __post_init__(self) -> None:
+        """Copies that cannot be written to: recorders share them, and the account goes on."""
+        for each in fields(self):
+            value = getattr(self, each.name)
+            if isinstance(value, np.ndarray):
+                object.__setattr__(self, each.name, read_only(value.copy()))
+            elif isinstance(value, dict):
+                made = {
+                    name: read_only(part.copy()) if isinstance(part, np.ndarray) else part
+                    for name, part in value.items()
+                }
+                object.__setattr__(self, each.name, made)
 
     @property
     def drift(self) -> Array:

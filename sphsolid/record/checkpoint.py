@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import hashlib
 import json
+import math
 import zipfile
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, TypeVar
@@ -14,18 +16,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sphsolid.compiled import KERNEL_HASH, description
-from sphsolid.continuum.law_registry import in_kernels
-from sphsolid.errors import InputError
+from sphsolid.errors import Diverged, InputError
 from sphsolid.geometry.mesh import Mesh
 from sphsolid.paths import path_of
 from sphsolid.record.atomic import atomic
-from sphsolid.record.samples import Samples, differences, instants
+from sphsolid.record.plain import plain
+from sphsolid.record.samples import Samples, differences, instants, instants_ahead
 from sphsolid.record.solver import Solver
 from sphsolid.scenes.scene import NoBodyForce, Scene
 
 Array = NDArray[np.float64]
 AnySolver = TypeVar("AnySolver", bound=Solver)
-FORMAT = "sphsolid checkpoint 2"
+FORMAT = "sphsolid checkpoint 3"
 #: Arrays of the account of energy and momentum begin with this.
 ACCOUNT = "account."
 
@@ -34,8 +36,9 @@ ACCOUNT = "account."
 class Checkpoint:
     """What a file holds: ``records`` rows of the run's history had been taken by then.
 
-    ``samples`` of the problem's functions at ``instants`` [s] tell it from others; ``totals`` is
-    what the run had cost.
+    ``samples`` of the problem's functions at ``instants`` [s] tell it from others (a file has them,
+    a copy in memory needs none); ``totals`` is what the run had cost; ``folded_since`` [s] when its
+    positions were first found folded, nan where they were not.
     """
 
     time: float
@@ -46,26 +49,39 @@ class Checkpoint:
     instants: list[float] = field(default_factory=list)
     samples: Samples = field(default_factory=dict)
     totals: dict[str, float] = field(default_factory=dict)
+    folded_since: float = math.nan
 
 
 def checkpoint_of(solver: Solver, *, records: int = 0) -> Checkpoint:
     """The complete state of a solver; its arrays are the solver's own."""
-    times = instants(solver.scene)
     return Checkpoint(
         time=float(solver.time),
         step=solver.step,
         records=records,
         identity=solver.identity(),
         arrays=solver.state_arrays(),
-        instants=times,
-        samples=solver.samples(times),
         totals=solver.totals(),
+        folded_since=float(solver.positions.folded_since),
     )
 
 
-def write_checkpoint(solver: Solver, path: str | Path, *, records: int = 0) -> None:
-    """Write the complete state; the file is whole or not there."""
+def _sampled(solver: Solver, until: float | None) -> list[float]:
+    times = instants(solver.scene, until=until)
+    # A lost state can be written too; no step follows it.
+    with suppress(Diverged):
+        times += instants_ahead(solver.time, solver.stable_time_step())
+    return times
+
+
+def write_checkpoint(
+    solver: Solver, path: str | Path, *, records: int = 0, until: float | None = None
+) -> None:
+    """Write the complete state; the file is whole or not there.
+
+    ``until`` [s]: the end of the run, where it is not the scene's.
+    """
     made = checkpoint_of(solver, records=records)
+    times = _sampled(solver, until)
     header = {
         "format": FORMAT,
         # In hexadecimal, so that the instant comes back as the same double.
@@ -73,9 +89,10 @@ def write_checkpoint(solver: Solver, path: str | Path, *, records: int = 0) -> N
         "step": made.step,
         "records": records,
         "identity": made.identity,
-        "instants": [time.hex() for time in made.instants],
-        "samples": {name: values.tolist() for name, values in made.samples.items()},
+        "instants": [time.hex() for time in times],
+        "samples": {name: values.tolist() for name, values in solver.samples(times).items()},
         "totals": made.totals,
+        "folded_since": made.folded_since.hex(),
     }
     arrays = {f"state.{name}": array for name, array in made.arrays.items()}
     with atomic(path_of(path)) as part, part.open("wb") as file:
@@ -94,22 +111,23 @@ def read_checkpoint(path: str | Path) -> Checkpoint:
                 for name in file.files
                 if name.startswith("state.")
             }
+            return Checkpoint(
+                time=float.fromhex(header["time"]),
+                step=int(header["step"]),
+                records=int(header["records"]),
+                identity=header["identity"],
+                arrays=arrays,
+                instants=[float.fromhex(time) for time in header["instants"]],
+                samples={name: np.array(values) for name, values in header["samples"].items()},
+                totals=header["totals"],
+                folded_since=float.fromhex(header["folded_since"]),
+            )
     except FileNotFoundError:
         raise InputError(f"there is no checkpoint {path}") from None
     except InputError:
         raise
     except (zipfile.BadZipFile, KeyError, TypeError, ValueError, OSError, EOFError) as damage:
         raise InputError(f"{path} is not a checkpoint, or is damaged ({damage})") from None
-    return Checkpoint(
-        time=float.fromhex(header["time"]),
-        step=int(header["step"]),
-        records=int(header["records"]),
-        identity=header["identity"],
-        arrays=arrays,
-        instants=[float.fromhex(time) for time in header["instants"]],
-        samples={name: np.array(values) for name, values in header["samples"].items()},
-        totals=header["totals"],
-    )
 
 
 def restore(solver: Solver, path: str | Path) -> Checkpoint:
@@ -164,6 +182,7 @@ def put_back(solver: Solver, checkpoint: Checkpoint, what: str) -> None:
         solver.track_balance()
         _write_over(solver.state_arrays(), checkpoint, what)
     solver.time, solver.step = checkpoint.time, checkpoint.step
+    solver.positions.folded_since = checkpoint.folded_since
     solver.go_on_from(checkpoint.totals)
     solver.state_changed()
 
@@ -180,9 +199,10 @@ def _write_over(targets: dict[str, Array], checkpoint: Checkpoint, what: str) ->
         target[...] = checkpoint.arrays[name]
 
 
-def common_identity(scene: Scene, mesh: Mesh, V: Array) -> dict[str, str]:
+def common_identity(scene: Scene, material: Any, mesh: Mesh, V: Array) -> dict[str, str]:
     """What any method must agree on: problem, points, probes, sources and libraries.
 
+    ``material`` is the law that the solver runs, as it was when the solver was built.
     Loads, motions and initial data are functions, of which there are :mod:`samples`.
     """
     libraries = description()
@@ -192,9 +212,9 @@ def common_identity(scene: Scene, mesh: Mesh, V: Array) -> dict[str, str]:
         loaded.append("body force")
     return {
         "scene": scene.name,
-        "material": repr(scene.material),
+        "material": plain(scene.material),
         # The text of a law of the user's own, by its hash.
-        "law": type(in_kernels(scene.material)).__name__,
+        "law": type(material).__name__,
         "constraints": ", ".join(held) or "none",
         "loads": ", ".join(loaded) or "none",
         "points": _hash(mesh.vertices, V),

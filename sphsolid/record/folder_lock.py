@@ -1,9 +1,10 @@
 """One run at a time in a folder: a lock that ends with its process, however that ends.
 
-The operating system holds the lock (POSIX record locks, or those of Windows), so that a killed run
-leaves a file behind but no lock.  Record locks do not hold within a process, which therefore
-remembers its own folders.  Where a file system knows no locks, the process number in the file is
-all there is to go by.
+The operating system holds the lock (``flock``, or that of Windows), so that a killed run leaves a
+file behind but no lock.  It belongs to the open file, not to the process: a process may copy or
+read its own folder, whereas a POSIX record lock ends when any descriptor of its file is closed.  A
+forked process closes its copy of the file, so that the lock ends with the run's own process.  Where
+a file system knows no locks, the process number in the file is all there is to go by.
 """
 
 from __future__ import annotations
@@ -21,7 +22,8 @@ from pathlib import Path
 from sphsolid.errors import InputError
 
 NAME = ".sphsolid-lock"
-_HELD: set[str] = set()
+#: Folders that this process writes into, and the open file of each lock.
+_HELD: dict[str, int] = {}
 _GUARD = threading.Lock()
 _BUSY = (errno.EACCES, errno.EAGAIN, errno.EDEADLK)
 
@@ -38,13 +40,16 @@ else:
     import fcntl
 
     def _lock(file: int, *, shared: bool) -> None:
-        fcntl.lockf(file, (fcntl.LOCK_SH if shared else fcntl.LOCK_EX) | fcntl.LOCK_NB)
+        fcntl.flock(file, (fcntl.LOCK_SH if shared else fcntl.LOCK_EX) | fcntl.LOCK_NB)
 
 
 def _forget() -> None:
-    # Locks do not pass to a forked process, nor does the run that took them.
+    # The run does not pass to a forked process, so its lock must not live on there.
     global _GUARD
     _GUARD = threading.Lock()
+    for file in _HELD.values():
+        with suppress(OSError):
+            os.close(file)
     _HELD.clear()
 
 
@@ -87,7 +92,7 @@ class FolderLock:
         self._path, self._real, self._process = folder / NAME, os.path.realpath(folder), os.getpid()
         with _GUARD:
             self._file = self._taken(folder)
-            _HELD.add(self._real)
+            _HELD[self._real] = self._file
 
     def _taken(self, folder: Path) -> int:
         while True:
@@ -118,7 +123,7 @@ class FolderLock:
         with _GUARD:
             if self._process != os.getpid() or self._real not in _HELD:
                 return
-            _HELD.discard(self._real)
+            del _HELD[self._real]
             if sys.platform == "win32":
                 os.close(self._file)
                 self._path.unlink(missing_ok=True)

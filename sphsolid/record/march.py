@@ -17,8 +17,9 @@ from sphsolid.record.recorders import Recorder, asks_for_balance
 from sphsolid.record.run_options import (
     check_output,
     check_progress,
-    check_times,
     checked_recorders,
+    checked_row,
+    time_of,
 )
 from sphsolid.record.snapshot import Snapshot
 from sphsolid.record.solver import Solver
@@ -58,7 +59,7 @@ def march(
     steps (see ``positions``); the first time that they are folded a ``FoldingWarning`` says so, and
     the run goes on.
     """
-    check_times(until, every)
+    until, every = time_of("until", until), time_of("every", every)
     record = checked_recorders(record)
     check_progress(progress)
     check_output(output)
@@ -150,7 +151,7 @@ class _Run:
         self._pace.looked(snapshot)
         row: Row = {"time [s]": snapshot.time, "step": snapshot.step}
         for recorder in self._record:
-            row.update(recorder.record(snapshot, self._solver.scene))
+            row |= checked_row(recorder, recorder.record(snapshot, self._solver.scene), row)
         return snapshot, row
 
     def _keep(self, seen: tuple[Snapshot, Row] | None, sink: Sink, *, last: bool) -> None:

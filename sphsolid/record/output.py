@@ -92,7 +92,9 @@ class Every:
 
     def __post_init__(self) -> None:
         require(
-            isinstance(self.records, int) and self.records >= 1,
+            isinstance(self.records, int)
+            and not isinstance(self.records, bool)
+            and self.records >= 1,
             f"Every(records={self.records}) must be a whole number of records, at least 1; "
             "use Never() for none",
         )

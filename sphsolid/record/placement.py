@@ -8,7 +8,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from sphsolid.geometry.mesh import Mesh
+from sphsolid.geometry.mesh import Mesh, read_only
 
 Array = NDArray[np.float64]
 
@@ -22,6 +22,11 @@ class SecondaryGradient:
 
     X: Array
     F: Array
+
+    def __post_init__(self) -> None:
+        """Views that cannot be written to: every recorder of an instant gets the same object."""
+        object.__setattr__(self, "X", read_only(self.X))
+        object.__setattr__(self, "F", read_only(self.F))
 
 
 @dataclass(frozen=True)

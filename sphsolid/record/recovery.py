@@ -93,7 +93,7 @@ class Recovery:
         _shares(indptr, indices, X, V, reach, _TERMS[self.degree], shares, spread)
         self._refuse(~(spread > _FLATNESS), field.X)
         out = np.empty_like(values)
-        _sums(indptr, indices, shares, values, out)
+        _sums(indptr, indices, shares, np.require(values, requirements=("C", "W")), out)
         return PointField(field.X, field.V, out.reshape(field.values.shape))
 
     def _refuse(self, bad: NDArray[np.bool_], X: Array) -> None:

@@ -147,7 +147,7 @@ class _Writer:
         folder = path_of(options.path)
         (folder / FRAMES).mkdir(parents=True, exist_ok=True)
         self._options, self._solver, self._folder = options, solver, folder
-        self._records = len(rows)
+        self._records, self._until = len(rows), task.until
         # Read before the lock is ours: with it, a killed run would look alive.
         earlier = earlier_run(folder)
         self._lock = FolderLock(folder)
@@ -189,7 +189,10 @@ class _Writer:
             write_pvd(self._frames, self._manifest.add(PVD))
         if self._options.checkpoints.due(index, last=last):
             write_checkpoint(
-                self._solver, self._manifest.add(CHECKPOINT), records=self._records
+                self._solver,
+                self._manifest.add(CHECKPOINT),
+                records=self._records,
+                until=self._until,
             )
 
     def close(self, failure: BaseException | None) -> None:

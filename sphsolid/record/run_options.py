@@ -3,18 +3,23 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
+from numbers import Real
+
+import numpy as np
 
 from sphsolid.errors import InputError
+from sphsolid.record.history import Row
 from sphsolid.record.recorders import Recorder
 from sphsolid.scenes.checks import number
 
+#: What every row of a history begins with.
+OWN_COLUMNS = ("time [s]", "step")
 
-def check_times(until: object, every: object) -> None:
-    """``until`` and ``every`` are numbers [s] or None."""
-    for name, value in (("until", until), ("every", every)):
-        if value is not None:
-            number(name, value, "s")
+
+def time_of(name: str, value: object) -> float | None:
+    """``until`` or ``every``: any real number [s] as a ``float``, or None."""
+    return None if value is None else number(name, value, "s")
 
 
 def checked_recorders(record: object) -> tuple[Recorder, ...]:
@@ -34,6 +39,37 @@ def checked_recorders(record: object) -> tuple[Recorder, ...]:
                 'Probe("tip")]'
             )
     return found
+
+
+def checked_row(recorder: object, made: object, row: Row) -> Row:
+    """What ``recorder`` returned, as floats; raises ``InputError`` unless it is a dict of numbers.
+
+    ``row``: the instant and its step, and the columns of the recorders before it.
+    """
+    what = f"recorder {recorder!r}"
+    if not isinstance(made, Mapping) or not all(isinstance(name, str) for name in made):
+        raise InputError(
+            f"{what} returned {_short(made)}; wanted is a dict of columns and numbers: "
+            '{"mass [kg]": 1.0}'
+        )
+    found: Row = {}
+    for name, value in made.items():
+        if name in OWN_COLUMNS:
+            raise InputError(f"{what} has a column {name!r}, which every row has; rename it")
+        scalar = value.item() if isinstance(value, np.ndarray) and value.ndim == 0 else value
+        if not isinstance(scalar, Real | np.bool_):
+            raise InputError(
+                f"{what} returned {_short(value)} for its column {name!r}; wanted is one number"
+            )
+        found[name] = float(scalar)
+    return found
+
+
+def _short(value: object) -> str:
+    if isinstance(value, np.ndarray):
+        return f"an array of shape {value.shape}"
+    text = repr(value)
+    return text if len(text) <= 80 else f"{text[:77]}..."
 
 
 def _name(recorder: object) -> str:

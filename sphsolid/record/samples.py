@@ -2,7 +2,8 @@
 
 A checkpoint cannot hold a function, but it can hold what the function says at some instants:
 of the values ``f_a`` at the points, the mean, the root mean square and a mean with uneven weights,
-which sees an exchange of two values too.
+which sees an exchange of two values too.  What a function does only between two of the instants is
+not seen: a pulse that is shorter than the gaps between them.
 """
 
 from __future__ import annotations
@@ -24,13 +25,27 @@ Array = NDArray[np.float64]
 Samples = dict[str, Array]
 #: Relative difference up to which numbers are the same: another processor may round otherwise.
 SAME = 1.0e-9
-_INSTANTS = 16
+#: Instants of a span besides its ends: no gap is wider than a fiftieth of it.
+_INSTANTS = 128
+#: Half steps ahead of a checkpoint that are sampled.
+_AHEAD = 8
 _GOLDEN = 0.6180339887498949
 
 
-def instants(scene: Scene) -> list[float]:
-    """The start, and instants [s] at irrational parts of the scene's time, spread evenly."""
-    return [0.0, *(scene.end_time * (k * _GOLDEN % 1.0) for k in range(1, _INSTANTS))]
+def instants(scene: Scene, *, until: float | None = None) -> list[float]:
+    """The start, the end, and instants [s] at irrational parts of the scene's time, spread evenly.
+
+    The same of the span of a run that ends at another ``until`` [s].
+    """
+    found = [0.0]
+    for end in dict.fromkeys((scene.end_time, scene.end_time if until is None else until)):
+        found += [end * (k * _GOLDEN % 1.0) for k in range(1, _INSTANTS)] + [end]
+    return found
+
+
+def instants_ahead(now: float, dt: float) -> list[float]:
+    """Instants [s] of the next steps of ``dt`` [s]: what a run that goes on asks for first."""
+    return [now + 0.5 * dt * k for k in range(_AHEAD + 1)]
 
 
 class Sampler:
@@ -38,35 +53,43 @@ class Sampler:
 
     def __init__(self, scene: Scene, mesh: Mesh) -> None:
         self._scene, self._mesh = scene, mesh
-        self._kept: dict[tuple[float, ...], Samples] = {}
+        self._kept: dict[str, dict[float | None, Array]] = {}
 
     def at(self, times: Sequence[float]) -> Samples:
         """Samples of initial data, loads and prescribed motions; see the module."""
-        key = tuple(times)
-        if key not in self._kept:
-            self._kept[key] = self._asked(key)
-        return self._kept[key]
-
-    def _asked(self, times: tuple[float, ...]) -> Samples:
         scene, X = self._scene, self._mesh.vertices
-        found: Samples = {
-            "initial displacement": _numbers(scene.initial_displacement, (X,), [None]),
-            "initial velocity": _numbers(scene.initial_velocity, (X,), [None]),
-        }
+        found: Samples = {}
+
+        def sample(
+            name: str,
+            function: Callable[..., Any],
+            points: tuple[Array, ...],
+            instants: Sequence[float | None],
+            *,
+            tensor: bool = False,
+        ) -> None:
+            name = _free(name, found)
+            kept = self._kept.setdefault(name, {})
+            new = [t for t in dict.fromkeys(instants) if t not in kept]
+            if new:
+                kept.update(zip(new, _numbers(function, points, new, tensor=tensor), strict=True))
+            found[name] = np.array([kept[t] for t in instants])
+
+        sample("initial displacement", scene.initial_displacement, (X,), [None])
+        sample("initial velocity", scene.initial_velocity, (X,), [None])
         stated = scene.initial_deformation_gradient
         if not isinstance(stated, FromGeometry):
-            found["initial deformation gradient"] = _numbers(stated, (X,), [None], tensor=True)
+            sample("initial deformation gradient", stated, (X,), [None], tensor=True)
         for constraint in scene.constraints:
             if not isinstance(constraint.velocity, Fixed):
                 particles, _ = vertex_normals(self._mesh, constraint.face)
-                name = _free(f"prescribed velocity on {constraint.face}", found)
-                found[name] = _numbers(constraint.velocity, (X[particles],), times)
+                what = f"prescribed velocity on {constraint.face}"
+                sample(what, constraint.velocity, (X[particles],), times)
         for traction in scene.tractions:
             particles, normal = vertex_normals(self._mesh, traction.face)
-            name = _free(f"traction on {traction.face}", found)
-            found[name] = _numbers(traction.value, (X[particles], normal), times)
+            sample(f"traction on {traction.face}", traction.value, (X[particles], normal), times)
         if not isinstance(scene.body_force, NoBodyForce):
-            found["body force"] = _numbers(scene.body_force, (X,), times)
+            sample("body force", scene.body_force, (X,), times)
         return found
 
 

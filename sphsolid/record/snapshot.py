@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import Any
 
 import numpy as np
@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from sphsolid.continuum import law
 from sphsolid.errors import InputError
-from sphsolid.geometry.mesh import Mesh
+from sphsolid.geometry.mesh import Mesh, read_only
 from sphsolid.record.balance import NOT_TRACKED, Balance, NotTracked
 from sphsolid.record.placement import (
     NO_SECONDARY_GRADIENT,
@@ -46,6 +46,7 @@ class Snapshot:
     ``volumetric_energy`` [J] is the part ``sum V U(J)`` of the strain energy, ``U`` the volumetric
     energy of the law.  ``balance`` says where energy and momentum went, when a recorder asked for
     it; ``secondary`` is the gradient of ``x`` at the secondary particles, where there are any.
+    Nobody writes to its arrays: one recorder must not change what the next one sees.
     """
 
     time: float
@@ -64,6 +65,13 @@ class Snapshot:
     strain_energy: float
     balance: Balance | NotTracked = NOT_TRACKED
     secondary: SecondaryGradient | NoSecondaryGradient = NO_SECONDARY_GRADIENT
+
+    def __post_init__(self) -> None:
+        """Arrays are kept as views that cannot be written to."""
+        for each in fields(self):
+            value = getattr(self, each.name)
+            if isinstance(value, np.ndarray):
+                object.__setattr__(self, each.name, read_only(value))
 
     @property
     def density(self) -> float:

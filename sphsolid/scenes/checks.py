@@ -15,11 +15,22 @@ Member = TypeVar("Member")
 
 
 def number(what: str, value: object, unit: str) -> float:
-    """``value`` as it is, if it is a finite real number; raises ``InputError`` otherwise."""
+    """A finite real number of any type as a ``float``; raises ``InputError`` for anything else."""
     if isinstance(value, bool) or not isinstance(value, Real):
         raise InputError(f"{what} = {value!r} is not a number; give it in {unit}")
-    require(math.isfinite(value), f"{what} = {value} {unit} must be finite")
-    return value  # type: ignore[return-value]
+    try:
+        made = float(value)
+    except OverflowError:
+        made = math.inf
+    require(math.isfinite(made), f"{what} = {value} {unit} must be finite")
+    return made
+
+
+def as_float(value: Any) -> Any:
+    """A real number of any type as a ``float``; anything else, and a bool, as it is."""
+    if isinstance(value, bool):
+        return value
+    return float(value) if isinstance(value, Real) else value
 
 
 def function(what: str, value: object, call: str) -> None:
@@ -30,6 +41,18 @@ def function(what: str, value: object, call: str) -> None:
         raise InputError(
             f"{what} = {value!r} is not a function; for a constant write "
             f"{call}: np.tile([0.0, 0.0, 1.0], (len(X), 1))"
+        )
+
+
+def orientation(what: str, F: Any, X: Any) -> None:
+    """Raises ``InputError`` unless ``det F > 0`` for every ``F (n, 3, 3)`` at ``X (n, 3)`` [m]."""
+    J = np.linalg.det(F)
+    bad = np.flatnonzero(~(J > 0.0))
+    if len(bad):
+        a = int(bad[0])
+        raise InputError(
+            f"{what} is inside out at {len(bad)} of {len(X)} points, the first at X = "
+            f"{X[a].tolist()} m (det F = {J[a]:.3g}); it must have det F > 0"
         )
 
 

@@ -128,9 +128,11 @@ class Scene:
         scene = f"scene {self.name!r}"
         if not isinstance(self.name, str):
             raise InputError(f"{scene}: the name of a scene is a string")
+        if not isinstance(self.provenance, str):
+            raise InputError(f"{scene}: provenance = {self.provenance!r} is not a string")
+        end_time = checks.number(f"{scene}: end_time", self.end_time, "s")
         require(
-            checks.number(f"{scene}: end_time", self.end_time, "s") > 0.0,
-            f"{scene}: end_time = {self.end_time} s must be positive and finite",
+            end_time > 0.0, f"{scene}: end_time = {self.end_time} s must be positive and finite"
         )
         checks.body(f"{scene}: body", self.body)
         require_law(self.material, f"{scene}: material")
@@ -144,7 +146,15 @@ class Scene:
             checks.function(f"{scene}: body_force", self.body_force, "lambda X, t")
         if isinstance(self.exact, type):
             raise InputError(f"{scene}: exact = {self.exact.__name__} is a class; make an object")
+        if not isinstance(self.exact, NoExactSolution) and not callable(
+            getattr(self.exact, "displacement", None)
+        ):
+            raise InputError(
+                f"{scene}: exact = {self.exact!r} is no exact solution; leave it out where none is "
+                "known: NoExactSolution()"
+            )
         for name, made in (
+            ("end_time", end_time),
             ("constraints", checks.members("constraints", self.constraints, Constraint)),
             ("tractions", checks.members("tractions", self.tractions, Traction)),
             ("probes", checks.probes(scene, self.probes)),
@@ -160,15 +170,26 @@ class Scene:
     def initial_state(self, X: Array) -> tuple[Array, Array]:
         """Checked initial displacement [m] and velocity [m/s] at ``X (n, 3)``."""
         return (
-            asked(self.initial_displacement, X, what=self._named("initial_displacement")),
+            self.displacement_at_start(X),
             asked(self.initial_velocity, X, what=self._named("initial_velocity")),
         )
 
+    def displacement_at_start(self, X: Array) -> Array:
+        """Checked initial displacement [m] at ``X (n, 3)``."""
+        return asked(self.initial_displacement, X, what=self._named("initial_displacement"))
+
+    @property
+    def states_deformation(self) -> bool:
+        """True when the scene states an initial ``F``."""
+        return not isinstance(self.initial_deformation_gradient, FromGeometry)
+
     def stated_deformation(self, X: Array) -> Array:
-        """Checked initial ``F (n, 3, 3)`` of a scene that states one."""
-        given = self.initial_deformation_gradient
+        """Checked initial ``F (n, 3, 3)``, ``det F > 0``, of a scene that states one."""
+        given, what = self.initial_deformation_gradient, "initial_deformation_gradient"
         assert not isinstance(given, FromGeometry)
-        return asked(given, X, what=self._named("initial_deformation_gradient"), tensor=True)
+        F = asked(given, X, what=self._named(what), tensor=True)
+        checks.orientation(self._named(what), F, X)
+        return F
 
     def body_force_at(self, X: Array, t: float) -> Array:
         """Checked ``f0 (n, 3)`` [N/m^3] of a scene that has a body force."""

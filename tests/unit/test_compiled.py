@@ -103,8 +103,9 @@ def test_without_a_place_kernels_are_compiled_in_memory(tmp_path, monkeypatch):
 @pytest.mark.usefixtures("not_said", "homeless")
 def test_without_a_home_too(monkeypatch):
     monkeypatch.setattr(compiled, "CACHE_DIR", None)
-    with pytest.warns(RuntimeWarning, match="no cache folder"):
+    with pytest.warns(RuntimeWarning, match="no cache folder") as said:
         assert runs(compiled.serial_kernel(doubled))
+    assert str(said[0].message).count("set SPHSOLID_CACHE") == 1
 
 
 @pytest.mark.usefixtures("not_said")

@@ -86,3 +86,16 @@ def test_a_folder_that_cannot_be_written_is_no_error(
     monkeypatch.setattr(operator_cache, "cache_base", lambda: tmp_path / "file")
     monkeypatch.setattr(operator_cache, "LEAST_PARTICLES", 0)
     assert build(sph.SummationByParts()).size == 125
+
+
+@pytest.mark.parametrize("part", ["kinematic", "areas"])
+def test_a_file_of_another_shape_is_made_anew(folder: Path, part: str) -> None:
+    first = build(sph.SummationByParts())
+    [path] = folder.iterdir()
+    with np.load(path) as file:
+        arrays = dict(file)
+    np.savez(path, **(arrays | {part: arrays[part][:5]}))
+    again = build(sph.SummationByParts())
+    np.testing.assert_array_equal(again.gradients.force, first.gradients.force)
+    with np.load(path) as file:
+        assert file[part].shape == arrays[part].shape

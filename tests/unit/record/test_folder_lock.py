@@ -4,8 +4,11 @@ from __future__ import annotations
 
 import json
 import os
+import shutil
+import signal
 import subprocess
 import sys
+import time
 
 import pytest
 
@@ -137,3 +140,61 @@ def test_a_folder_without_a_run_is_refused(tmp_path):
     (tmp_path / "run.json").write_text("[]")
     with pytest.raises(InputError, match="is not about a run"):
         read_run(tmp_path)
+
+
+def elsewhere(folder):
+    """What another process says of the folder."""
+    ask = (
+        "import sys; from pathlib import Path; from sphsolid.record.folder_lock import in_use; "
+        "print(in_use(Path(sys.argv[1])))"
+    )
+    return subprocess.check_output([sys.executable, "-c", ask, str(folder)], text=True).strip()
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="what Windows locks cannot be copied")
+@pytest.mark.parametrize("touch", ["copy", "read"])
+def test_a_process_may_copy_and_read_its_own_folder(tmp_path, touch):
+    folder = tmp_path / "run"
+    folder.mkdir()
+    lock = FolderLock(folder)
+    if touch == "copy":
+        shutil.copytree(folder, tmp_path / "backup")
+    else:
+        (folder / NAME).read_bytes()
+    assert elsewhere(folder) == "True"
+    lock.release()
+    assert not in_use(folder)
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="needs fork")
+def test_a_forked_process_does_not_keep_the_lock_of_a_killed_one(tmp_path):
+    text = """
+import os, sys, time
+from pathlib import Path
+from sphsolid.record.folder_lock import FolderLock
+lock = FolderLock(Path(sys.argv[1]))
+child = os.fork()
+if child:
+    print(child, flush=True)
+    time.sleep(60)
+else:
+    os.close(1)
+    time.sleep(60)
+"""
+    process = subprocess.Popen(
+        [sys.executable, "-c", text, str(tmp_path)], stdout=subprocess.PIPE, text=True
+    )
+    child = int(process.stdout.readline())
+    try:
+        assert in_use(tmp_path)
+        process.kill()
+        process.communicate()
+        os.kill(child, 0)
+        # The child closes its copy of the file as soon as it runs.
+        for _ in range(100):
+            if not in_use(tmp_path):
+                break
+            time.sleep(0.05)
+        assert not in_use(tmp_path)
+    finally:
+        os.kill(child, signal.SIGKILL)

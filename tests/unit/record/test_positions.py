@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import copy
 import gc
 import math
+import pickle
 import warnings
 import weakref
 
@@ -24,7 +26,9 @@ from sphsolid.record import (
     inside_out,
     inside_out_secondary,
     judge_positions,
+    restore,
     unseen_motion,
+    write_checkpoint,
 )
 from sphsolid.record.march import march
 from sphsolid.record.positions import UNSEEN_LARGEST_LIMIT, UNSEEN_RMS_LIMIT
@@ -384,3 +388,27 @@ def test_the_column_at_nu_03_folds_and_says_so_unwatched():
     fine = column(fem, spacing=1 / 4, poisson_ratio=0.35, end_time=0.14)
     assert warned(fine.run) == []
     assert "positions: sound" in fine.summary()
+
+
+def test_since_when_they_are_folded_goes_on_from_a_checkpoint(fake_solver, tmp_path):
+    first = folding(fake_solver)
+    warned(lambda: march(first, until=0.5, every=0.1, output=RunFolder(tmp_path / "run")))
+    other = folding(fake_solver)
+    goes_on = RunFolder(tmp_path / "run", resume=True)
+    warned(lambda: march(other, until=0.6, every=0.1, output=goes_on))
+    assert other.positions.folded_since == first.positions.folded_since == pytest.approx(0.2)
+
+
+def test_a_checkpoint_of_sound_positions_forgets_a_fold(fake_solver, tmp_path):
+    sound, other = fake_solver(), fake_solver()
+    write_checkpoint(sound, tmp_path / "c.npz")
+    other.positions.folded_since = 0.7
+    restore(other, tmp_path / "c.npz")
+    assert math.isnan(other.positions.folded_since)
+
+
+def test_a_copy_of_finite_elements_remembers_it_too():
+    sim = fem.Simulation(twisting_column(), spacing=0.5)
+    sim.positions.folded_since = 0.25
+    assert copy.deepcopy(sim).positions.folded_since == 0.25
+    assert pickle.loads(pickle.dumps(sim)).positions.folded_since == 0.25

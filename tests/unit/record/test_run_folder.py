@@ -178,6 +178,8 @@ def test_bad_options_are_refused(tmp_path):
         RunFolder(tmp_path, frames=2)
     with pytest.raises(InputError, match="at least 1"):
         Every(records=0)
+    with pytest.raises(InputError, match=r"Every\(records=True\)"):
+        Every(records=True)
 
 
 def test_a_file_in_place_of_the_folder_is_refused(fake_solver, tmp_path):

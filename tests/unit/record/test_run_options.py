@@ -2,13 +2,23 @@
 
 from __future__ import annotations
 
+from fractions import Fraction
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from sphsolid.errors import InputError
-from sphsolid.record import Energy, EnergyLedger, NoOutput, Probe, ProgressLine, march
+from sphsolid.record import (
+    Energy,
+    EnergyLedger,
+    NoOutput,
+    Probe,
+    ProgressLine,
+    RunFolder,
+    march,
+    read_run,
+)
 
 WRONG = [
     ({"record": Energy()}, r"record = Energy\(\) is one recorder; .*record=\[Energy\(\)\]"),
@@ -51,3 +61,65 @@ def test_recorders_that_need_it_get_an_account(fake_solver):
     with pytest.raises(InputError, match="needs the account"):
         march(solver, until=0.1, record=[EnergyLedger()])
     assert solver.tracks
+
+
+@pytest.mark.parametrize(
+    ("until", "every"),
+    [(np.float32(0.5), 0.25), (Fraction(1, 2), Fraction(1, 4)), (np.int64(1), np.float32(0.5))],
+)
+def test_numbers_of_any_type_can_be_written_down(fake_solver, tmp_path, until, every):
+    history = march(fake_solver(), until=until, every=every, output=RunFolder(tmp_path / "run"))
+    assert history["time [s]"][-1] == float(until)
+    assert read_run(tmp_path / "run")["until_s"] == float(until)
+
+
+class Says:
+    """A recorder that says whatever it was told to."""
+
+    def __init__(self, said):
+        self.said = said
+
+    def __repr__(self):
+        return "Says()"
+
+    def record(self, snapshot, scene):
+        return self.said
+
+
+@pytest.mark.parametrize(
+    ("said", "named"),
+    [
+        (np.zeros(3), r"Says\(\) returned an array of shape \(3,\); wanted is a dict"),
+        (None, r"Says\(\) returned None"),
+        ("mass", r"Says\(\) returned 'mass'"),
+        (1.0, r"Says\(\) returned 1.0"),
+        ({1: 2.0}, r"Says\(\) returned \{1: 2.0\}"),
+        ({"a": np.zeros(2)}, r"returned an array of shape \(2,\) for its column 'a'"),
+        ({"a": "1"}, "returned '1' for its column 'a'; wanted is one number"),
+        ({"a": None}, "returned None for its column 'a'"),
+        ({"time [s]": 0.0}, r"has a column 'time \[s\]', which every row has"),
+        ({"step": 0}, "has a column 'step'"),
+    ],
+)
+def test_a_recorder_that_says_no_numbers_is_named(fake_solver, tmp_path, said, named):
+    solver = fake_solver()
+    with pytest.raises(InputError, match=named):
+        march(solver, until=0.1, record=[Says(said)], output=RunFolder(tmp_path / "run"))
+    assert solver.step == 0
+    assert not (tmp_path / "run").exists()
+
+
+def test_a_recorder_may_say_numbers_of_any_type(fake_solver):
+    said = {"a": np.float32(0.5), "b": np.array(2), "c": True, "d": 3}
+    table = march(fake_solver(), until=0.1, record=[Says(said)]).table
+    assert table[["a", "b", "c", "d"]].iloc[-1].tolist() == [0.5, 2.0, 1.0, 3.0]
+
+
+def test_a_recorder_cannot_change_what_the_next_one_sees(fake_solver):
+    class Vandal:
+        def record(self, snapshot, scene):
+            snapshot.velocity[:] = 0.0
+            return {}
+
+    with pytest.raises(ValueError, match="read-only"):
+        march(fake_solver(), until=0.1, record=[Vandal(), Energy()])

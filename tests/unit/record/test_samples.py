@@ -10,7 +10,7 @@ import pytest
 from sphsolid.continuum import NeoHookean
 from sphsolid.errors import InputError
 from sphsolid.geometry import Box
-from sphsolid.record import march, restore, write_checkpoint
+from sphsolid.record import RunFolder, march, restore, write_checkpoint
 from sphsolid.record.samples import Sampler, differences, instants
 from sphsolid.scenes.constraint import Constraint
 from sphsolid.scenes.scene import Scene, Traction
@@ -132,3 +132,65 @@ def test_what_a_run_has_cost_goes_on(fake_solver, tmp_path):
     other = fake_solver()
     restore(other, tmp_path / "c.npz")
     assert other.seconds == 41.0
+
+
+def on(t, begin, end=np.inf):
+    return lambda X, now: np.full_like(X, 1.0 if begin * t <= now < end * t else 0.0)
+
+
+@pytest.mark.parametrize("begin", [0.02, 0.5, 0.7, 0.96])
+def test_a_pulse_of_a_fiftieth_is_seen_wherever_it_is(begin):
+    other = scene(body_force=on(2.0, begin, begin + 0.02))
+    assert told_apart(scene(body_force=lambda X, t: 0.0 * X), other)
+
+
+@pytest.mark.parametrize("begin", [0.95, 0.98, 0.9999, 1.0])
+def test_what_begins_late_is_seen(begin):
+    [said] = told_apart(scene(body_force=lambda X, t: 0.0 * X), scene(body_force=on(2.0, begin)))
+    assert "body force differs: at t = 2 s" in said or begin < 0.99
+
+
+def sampled(solver, *, body_force):
+    """The solver that solves nothing, with a real sampler of its scene."""
+    solver.scene = scene(body_force=body_force)
+    solver.samples = Sampler(solver.scene, MESH).at
+    return solver
+
+
+@pytest.mark.parametrize("until", [5.0, 0.3])
+def test_the_time_of_the_run_is_sampled_too(fake_solver, tmp_path, until):
+    still = sampled(fake_solver(), body_force=lambda X, t: 0.0 * X)
+    run = RunFolder(tmp_path / "run")
+    march(still, until=until, every=0.1, output=run)
+    inside = on(1.0, 0.91 * until, 0.95 * until)
+    with pytest.raises(InputError, match="body force differs"):
+        restore(sampled(fake_solver(), body_force=inside), tmp_path / "run" / "checkpoint.npz")
+    restore(
+        sampled(fake_solver(), body_force=lambda X, t: 0.0 * X), tmp_path / "run" / "checkpoint.npz"
+    )
+
+
+def test_the_next_steps_are_sampled(fake_solver, tmp_path):
+    def solver(force):
+        return sampled(fake_solver(dt=lambda t: 1e-4), body_force=force)
+
+    still = solver(lambda X, t: 0.0 * X)
+    march(still, until=0.01)
+    write_checkpoint(still, tmp_path / "c.npz")
+    spike = solver(on(1.0, 0.01 + 0.9e-4, 0.01 + 1.1e-4))
+    with pytest.raises(InputError, match=r"body force differs: at t = 0\.0101 s"):
+        restore(spike, tmp_path / "c.npz")
+
+
+def test_every_instant_is_asked_once(fake_solver):
+    asked = []
+
+    def force(X, t):
+        asked.append(t)
+        return 0.0 * X
+
+    sampler = Sampler(scene(body_force=force), MESH)
+    first = sampler.at([0.0, 1.0])["body force"]
+    again = sampler.at([0.0, 1.5, 1.0])["body force"]
+    assert asked == [0.0, 1.0, 1.5]
+    np.testing.assert_array_equal(again[[0, 2]], first)

@@ -41,6 +41,11 @@ def pull(X, N, t):
         ({"material": None}, "NoneType is no registered constitutive law"),
         ({"end_time": "0.1"}, r"end_time = '0.1' is not a number; give it in s"),
         ({"end_time": True}, "not a number"),
+        ({"exact": None}, r"exact = None is no exact solution; .*NoExactSolution\(\)"),
+        ({"exact": 1.0}, "exact = 1.0 is no exact solution"),
+        ({"provenance": None}, "provenance = None is not a string"),
+        ({"provenance": 2}, "provenance = 2 is not a string"),
+        ({"end_time": 10**400}, "finite"),
         ({"end_time": np.nan}, "finite"),
         ({"end_time": -1.0}, "positive"),
         ({"initial_velocity": (0.0, 0.0, 1.0)}, r"\(0.0, 0.0, 1.0\) is not a function; .*lambda X"),
@@ -110,3 +115,15 @@ def test_conditions_refuse_what_is_no_function():
 def test_a_simulation_refuses_what_is_no_scene_or_number(solver, scene, options, named):
     with pytest.raises(InputError, match=named):
         solver(scene, **options)
+
+
+@pytest.mark.parametrize("solver", [sph.Simulation, fem.Simulation])
+def test_a_truth_value_is_no_cfl_number(solver):
+    with pytest.raises(InputError, match="cfl = True"):
+        solver(made(), spacing=0.5, cfl=True)
+
+
+@pytest.mark.parametrize("wrong", [None, twisting_column, Box(), "column"])
+def test_only_a_scene_gets_a_recommendation(wrong):
+    with pytest.raises(InputError, match="is not a Scene"):
+        sph.recommend(wrong)
