@@ -158,7 +158,7 @@ def test_an_obj_file_is_refused(tmp_path: Path, text: str, named: str) -> None:
 def test_a_ply_file_with_a_byte_order_mark_is_refused(tmp_path: Path) -> None:
     path = tmp_path / "body.ply"
     path.write_bytes(b"\xef\xbb\xbfply\nformat ascii 1.0\nend_header\n")
-    with pytest.raises(InputError, match="begins with a byte order mark, .* save it without"):
+    with pytest.raises(InputError, match=r"begins with a byte order mark, .* save it without"):
         Surface.read(path)
 
 
