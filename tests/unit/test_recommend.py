@@ -12,8 +12,10 @@ import pytest
 
 import sphsolid as sph
 from sphsolid.defaults import default_stabilisation
+from sphsolid.geometry import Box, TetBox
 from sphsolid.recommendation import Evidence, NotMeasured, recommend
 from sphsolid.scenes import twisting_column
+from sphsolid.scenes.scene import Scene
 
 #: The room, whatever the package exports under its name.
 module = importlib.import_module("sphsolid.recommendation")
@@ -97,3 +99,15 @@ def test_what_is_shipped_can_be_run() -> None:
 def test_the_recommendations_are_those_of_the_report() -> None:
     """Shipped with the package, measured by ``python -m studies.pareto``."""
     pd.testing.assert_frame_equal(pd.read_csv(module.RECOMMENDATIONS), pd.read_csv(REPORT))
+
+
+def test_the_plan_names_the_stabilisation_that_is_active() -> None:
+    """The table was made on lattices; tetrahedra have other secondary particles."""
+    rubber = sph.NeoHookean.from_young(young_modulus=1e6, poisson_ratio=0.3, density=1000.0)
+    tets = sph.Simulation(Scene("s", TetBox(), rubber, 0.01), spacing=0.5)
+    lattice = sph.Simulation(Scene("s", Box(), rubber, 0.01), spacing=0.5)
+    assert recommend(tets.scene).evidence.stabilisation == "SUPG-H1"  # type: ignore[union-attr]
+    [said] = [line for line in tets.plan().splitlines() if line.startswith("formulation ")]
+    assert said.endswith(f"; active here: {tets.stabilisation.name}")
+    assert "SUPG-H1" not in tets.stabilisation.name
+    assert "active here" not in lattice.plan()
