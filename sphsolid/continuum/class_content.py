@@ -23,12 +23,12 @@ _WRITTEN = {
     "__annotate_func__", "__annotations_cache__", "__static_attributes__", "__abstractmethods__",
     "_abc_impl", "__dataclass_fields__", "__dataclass_params__",
 }  # fmt: skip
-_OF_TUPLES = vars(namedtuple("_NoFields", ())).keys() - {"__slots__"}  # noqa: PYI024
+_OF_TUPLES = vars(namedtuple("_NoFields", ())).keys() - {"__slots__"}
 _OF_ENUMS = vars(_NoMembers).keys()
 _PLACES = (
     types.MemberDescriptorType, types.GetSetDescriptorType, types.WrapperDescriptorType,
     types.MethodDescriptorType, types.ClassMethodDescriptorType,
-    type(vars(namedtuple("_OneField", "x"))["x"]),  # noqa: PYI024
+    type(vars(namedtuple("_OneField", "x"))["x"]),
 )  # fmt: skip
 
 

@@ -83,10 +83,11 @@ def _what_fails(material: Any, failure: Exception) -> str:
             break
     kind: Any = type(material)
     name = kind.__base__.__name__
+    said = _telling(str(why).replace(kind.__name__, name))
     return (
-        f"law {name}: kernels cannot compile {which}: "
-        f"{_telling(str(why).replace(kind.__name__, name))}; use the fields of the parameters, numbers, tuples, functions of "
-        "the same kind, and math or NumPy functions only (docs/laws.md)"
+        f"law {name}: kernels cannot compile {which}: {said}; use the fields of the parameters, "
+        "numbers, tuples, functions of the same kind, and math or NumPy functions only "
+        "(docs/laws.md)"
     )
 
 

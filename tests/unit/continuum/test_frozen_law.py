@@ -165,7 +165,10 @@ def moving(solver: Any, mine: Any, **options: Any) -> Any:
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("solver", "options"),
-    [(fem.Simulation, {}), (sph.Simulation, {"formulation": sph.PF(), "operator": sph.Consistent()})],
+    [
+        (fem.Simulation, {}),
+        (sph.Simulation, {"formulation": sph.PF(), "operator": sph.Consistent()}),
+    ],
 )
 def test_a_simulation_keeps_the_law_it_was_built_with(solver: Any, options: Any) -> None:
     names = module("A = 1.0\nB = np.array([1.0])", "A * B[0]")
