@@ -225,3 +225,10 @@ def test_a_law_that_compiles_is_asked_once() -> None:
     assert check_first_use(frozen) is frozen
     require_compilable(frozen)
     require_compilable(sph.NeoHookean(1.0, 2.0, 3.0))
+
+
+def test_a_law_that_was_used_is_the_same_law() -> None:
+    names = module("@numba.vectorize\ndef f(x): return 2.0 * x", "f(1.0)")
+    before = type(law.in_kernels(material(names)))
+    law.energy(material(names), IDENTITY, IDENTITY, 1.0)
+    assert type(law.in_kernels(material(names))) is before
