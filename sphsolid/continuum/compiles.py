@@ -77,17 +77,28 @@ def _what_fails(material: Any, failure: Exception) -> str:
     which, why = "what its functions return", failure
     for name, function, types in asked:
         try:
-            numba.njit(function).compile((numba.typeof(material), *types))
+            numba.njit(_call_of(function, len(types))).compile((numba.typeof(material), *types))
         except Exception as alone:
             which, why = name, alone
             break
     kind: Any = type(material)
     name = kind.__base__.__name__
+    said = _telling(str(why).replace(kind.__name__, name))
     return (
-        f"law {name}: kernels cannot compile {which}: "
-        f"{_telling(str(why).replace(kind.__name__, name))}; use the fields of the parameters, numbers, tuples, functions of "
-        "the same kind, and math or NumPy functions only (docs/laws.md)"
+        f"law {name}: kernels cannot compile {which}: {said}; use the fields of the parameters, "
+        "numbers, tuples, functions of the same kind, and math or NumPy functions only "
+        "(docs/laws.md)"
     )
+
+
+def _call_of(function: Callable[..., Any], count: int) -> Callable[..., Any]:
+    """A call as kernels make it: of a function that may take any number of arguments."""
+    calls: dict[int, Callable[..., Any]] = {
+        1: lambda m, J: function(m, J),
+        3: lambda m, F, H, J: function(m, F, H, J),
+        6: lambda m, F, H, J, dF, dH, dJ: function(m, F, H, J, dF, dH, dJ),
+    }
+    return calls[count]
 
 
 def _telling(text: str) -> str:

@@ -102,7 +102,7 @@ class LawSource:
             self.note("compiled", sorted(thing.targetoptions.items(), key=str))
             return numba.jit(**thing.targetoptions)(self._function(thing.py_func))
         if isinstance(thing, DUFunc):
-            self.note("universal", thing.types)
+            self.note("universal", thing.identity)
             return DUFunc(self._function(thing._dispatcher.py_func), identity=thing.identity)
         if isinstance(thing, FunctionType):
             return self._python_function(thing)
@@ -239,6 +239,7 @@ class LawSource:
         self.note(
             code.co_code.hex(), code.co_names, code.co_varnames, code.co_freevars,
             code.co_cellvars, code.co_argcount, code.co_kwonlyargcount, code.co_flags,
+            code.co_exceptiontable.hex(),
         )  # fmt: skip
         for constant in code.co_consts:
             if isinstance(constant, CodeType):

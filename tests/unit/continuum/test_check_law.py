@@ -163,8 +163,10 @@ class Moduli(NamedTuple):
 
 
 def _with_moduli_ab(which: str) -> Callable[..., Any]:
+    right = RIGHT[which]
+
     def function(m: Any, *rest: Any) -> Any:
-        return RIGHT[which](Base(m.a, m.b, m.density), *rest)
+        return right(Base(m.a, m.b, m.density), *rest)
 
     return function
 
