@@ -36,6 +36,7 @@ def plan(sim: Simulation) -> str:
         + f"; {sim.consistency}; differs from the printed gradient by {c.change:.2g} of it, "
         + f"{c.iterations} iterations" + _why(sim),
         *(f"refused        {tried}: {reason}" for tried, reason in sim.refused),
+        *(f"doubtful       {doubt}" for doubt in sim.doubts),
         "fields         p, x" + (", F" if f.evolves_F else " (F from the geometry)")
         + (", H" if f.evolves_H else " (H = cof F)")
         + (", J" if f.evolves_J else " (J = det F)"),

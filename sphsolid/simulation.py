@@ -5,6 +5,7 @@ from __future__ import annotations
 import copy
 import math
 import time as clock
+import warnings
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
@@ -14,6 +15,7 @@ import numpy as np
 
 from sphsolid.cloud.cloud import build_secondary, consistency_report
 from sphsolid.cloud.first_possible import first_possible
+from sphsolid.cloud.long_cells import doubts
 from sphsolid.cloud.operator import Consistent, Literal, OperatorKind, SummationByParts
 from sphsolid.cloud.secondary import default_secondary
 from sphsolid.cloud.smoothing import SmoothingFunction, WendlandC2
@@ -180,6 +182,10 @@ class Simulation:
         self.h_over_dx = found.candidate.h_over_dx
         #: Operators that the default tried before this one, and why each was refused.
         self.refused = found.refused
+        #: What makes the operators doubtful on this mesh.
+        self.doubts = tuple(doubts(self.cloud))
+        if self.doubts:
+            warnings.warn("; ".join(self.doubts), stacklevel=2)
         self.secondary = (
             build_secondary(
                 self.cloud,

@@ -9,6 +9,9 @@ centres part, and cells are joined two by two where the centres differ least: wi
 
 goes first, the growth of the sum of squares [Ward1963], so that slivers and small cells go into
 their neighbours and no cell becomes much larger than the others.
+
+Regular meshes have many equal costs.  Costs that differ by round-off alone count as equal and the
+numbers of the cells decide, so that the points are the same in every unit, place and mirror.
 """
 
 from __future__ import annotations
@@ -37,6 +40,8 @@ _REACH = 0.5
 #: Joined in one round: pairs of which each is the other's best, up to this multiple of the least
 #: cost, or of the fifth power of the spacing.
 _STEP, _CHEAP = 1.2, 1.0e-3
+#: Costs are equal that differ by less than this part of them, or of the fifth power of the spacing.
+_TIE, _NOTHING = 1.0e-7, 1.0e-12
 
 
 @dataclass(frozen=True)
@@ -80,6 +85,9 @@ class Agglomerated:
 
 def clusters(mesh: TetMesh, per_particle: float) -> Indices:
     """The cluster ``(C,)`` of every cell, numbered in the order of their first cells."""
+    # About the middle and in spacings: digits and tolerances are those of the shape alone.
+    middle = 0.5 * (mesh.vertices.min(axis=0) + mesh.vertices.max(axis=0))
+    mesh = replace(mesh, vertices=(mesh.vertices - middle) / mesh.spacing, spacing=1.0)
     volume, centroid = cell_volumes_and_centroids(mesh)
     centre, _ = circumspheres(mesh.vertices, mesh.cells)
     offset = centre - centroid
@@ -87,22 +95,23 @@ def clusters(mesh: TetMesh, per_particle: float) -> Indices:
     reach = _REACH * np.cbrt(6.0 * volume)
     length = np.linalg.norm(offset, axis=1)
     near = centroid + offset * np.minimum(1.0, reach / np.maximum(length, 1e-300))[:, None]
-    group = _one_cavity(mesh.cells, centre, mesh.spacing)
-    wanted = max(1, round(per_particle * float(volume.sum()) / mesh.spacing**3))
+    group = _one_cavity(mesh.cells, centre)
+    # A half is rounded the same way whatever its last digits.
+    wanted = max(1, round(round(per_particle * float(volume.sum()), 6)))
     facets = cell_facets(mesh.cells, TETRAHEDRON)
     number = same_vertices(facets)
     order = np.argsort(number, kind="stable")
     shared = np.flatnonzero(np.diff(number[order]) == 0)
     links = np.stack([order[shared], order[shared + 1]], axis=1) // len(TETRAHEDRON.facets)
-    return _joined(group, links, volume, near, wanted, _CHEAP * mesh.spacing**5)
+    return _joined(group, links, volume, near, wanted)
 
 
-def _one_cavity(cells: Indices, centre: Array, spacing: float) -> Indices:
+def _one_cavity(cells: Indices, centre: Array) -> Indices:
     """Cells whose circumcentres coincide and that have a vertex in common.
 
     The emptiness of the spheres makes them neighbours, but for those on both sides of a gap.
     """
-    pairs = cKDTree(centre).query_pairs(_SAME * spacing, output_type="ndarray")
+    pairs = cKDTree(centre).query_pairs(_SAME, output_type="ndarray")
     i, j = pairs.T
     touch = np.any(cells[i][:, :, None] == cells[j][:, None, :], axis=(1, 2))
     pairs = pairs[touch]
@@ -114,7 +123,7 @@ def _one_cavity(cells: Indices, centre: Array, spacing: float) -> Indices:
 
 
 def _joined(
-    group: Indices, links: Indices, volume: Array, centre: Array, wanted: int, cheap: float
+    group: Indices, links: Indices, volume: Array, centre: Array, wanted: int
 ) -> Indices:
     """Merge ``group (C,)`` over ``links (n, 2)`` of cells until ``wanted`` clusters are left.
 
@@ -133,7 +142,7 @@ def _joined(
         i, j = links.T
         apart = M[i] / V[i, None] - M[j] / V[j, None]
         cost = V[i] * V[j] / (V[i] + V[j]) * np.einsum("nd,nd->n", apart, apart)
-        order = np.lexsort((j, i, cost))
+        order = np.lexsort((j, i, _level(cost)))
         rank = np.empty(len(order), dtype=np.int64)
         rank[order] = np.arange(len(order))
         best = np.full(len(V), len(order))
@@ -141,8 +150,8 @@ def _joined(
         np.minimum.at(best, j, rank)
         mutual = np.flatnonzero((best[i] == rank) & (best[j] == rank))
         mutual = mutual[np.argsort(rank[mutual])]
-        least = max(_STEP * cost[mutual[0]], cheap)
-        count = min(len(V) - wanted, int(np.searchsorted(cost[mutual], least, side="right")))
+        most = max(_STEP * cost[mutual[0]], _CHEAP) * (1.0 + 2.0 * _TIE)
+        count = min(len(V) - wanted, int(np.count_nonzero(cost[mutual] <= most)))
         into = np.arange(len(V))
         into[j[mutual[:count]]] = i[mutual[:count]]
         _, number = np.unique(into, return_inverse=True)
@@ -150,3 +159,13 @@ def _joined(
         V = np.bincount(number, weights=V)
         M = np.stack([np.bincount(number, weights=x) for x in M.T], axis=1)
     return group
+
+
+def _level(cost: Array) -> Indices:
+    """Numbers ``(n,)`` in the order of the costs, equal where they differ by round-off alone."""
+    order = np.argsort(cost, kind="stable")
+    ascending = cost[order]
+    step = np.diff(ascending) > _TIE * ascending[1:] + _NOTHING
+    level = np.empty(len(cost), dtype=np.int64)
+    level[order] = np.concatenate([[0], np.cumsum(step)])
+    return level

@@ -15,7 +15,7 @@ from sphsolid.cloud.gradient import (
     offsets,
     row_sum,
 )
-from sphsolid.cloud.lengths import Lengths, lengths_of
+from sphsolid.cloud.lengths import Lengths, lengths_of, refuse_long_cells
 from sphsolid.cloud.operator import Gradients, Ingredients, OperatorKind
 from sphsolid.cloud.operator_cache import gradients_of
 from sphsolid.cloud.pairs.neighbours import PairList, transposed
@@ -191,8 +191,8 @@ def build_cloud(
 
     Pairs whose straight line leaves the body are none (``pairs.sight``).  Raises ``InputError``
     for a non-positive ``h_over_dx``, a support that is too small (naming
-    the particle and the value to raise it to), parts that overlap, or an operator that does not
-    exist on this cloud.
+    the particle and the value to raise it to), cells so long that it spans the body with hundreds
+    of neighbours, parts that overlap, or an operator that does not exist on this cloud.
     ``stencils=False`` stores every particle's own pairs, as on an irregular cloud.
     """
     require(
@@ -206,6 +206,7 @@ def build_cloud(
     sight = Sight.within(mesh)
     lengths = lengths_of(mesh, h_over_dx)
     within = lengths.pairs(X, X, smoothing.support)
+    refuse_long_cells(mesh, lengths, smoothing.support, within)
     pairs = sight.seen(X, within)
     check_support(
         X, X, pairs,

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from sphsolid.cloud.pairs.neighbours import PairList, pairs_of_lengths, pairs_within
 from sphsolid.cloud.pairs.sight import Sight
+from sphsolid.errors import require
 from sphsolid.geometry.cell_shape import CORNERS
 from sphsolid.geometry.integrals import local_spacing
 from sphsolid.geometry.mesh import GridMesh, HexMesh, Mesh
@@ -18,6 +19,10 @@ Array = NDArray[np.float64]
 _FLAT = 1.1
 #: Ratio of the longest to the shortest edge of a hexahedron from which it is flat.
 FLAT = 1.4
+#: Ratio from which it is much longer than wide: no round support serves it well.
+LONG = 3.0
+#: Mean number of neighbours that a support on long cells may hold where it spans the body.
+MOST_NEIGHBOURS = 300
 #: Ratio of the largest to the smallest local spacing from which lengths are local.
 GRADED = 1.6
 
@@ -103,13 +108,40 @@ def _mean_edges(mesh: HexMesh) -> Array:
     return np.array([edge.mean(axis=1) for edge in edges])
 
 
-def has_flat_cells(mesh: HexMesh) -> bool:
-    """Whether the longest edge of a cell is, in the mean, more than :data:`FLAT` of its shortest.
+def elongation(mesh: Mesh) -> float:
+    """Ratio of the longest to the shortest edge of a hexahedron, in the mean; 1 for other cells."""
+    if not isinstance(mesh, HexMesh):
+        return 1.0
+    means = _mean_edges(mesh)
+    return float(np.mean(np.max(means, axis=0) / np.min(means, axis=0)))
+
+
+def has_flat_cells(mesh: Mesh) -> bool:
+    """Whether :func:`elongation` is more than :data:`FLAT`.
 
     The cube of the cells' volume is then too small a measure of their width.
     """
-    means = _mean_edges(mesh)
-    return bool(np.mean(np.max(means, axis=0) / np.min(means, axis=0)) > FLAT)
+    return elongation(mesh) > FLAT
+
+
+def refuse_long_cells(mesh: Mesh, lengths: Lengths, support: float, pairs: PairList) -> None:
+    """Raise ``InputError`` where long cells make everybody the neighbour of nearly everybody.
+
+    ``pairs`` within ``support`` smoothing lengths, asked before anything is made of them.
+    """
+    mean = pairs.pairs / max(1, pairs.rows)
+    if mean <= MOST_NEIGHBOURS:
+        return
+    reach = support * lengths.h_over_dx * lengths.nominal
+    thickness = float(np.min(np.ptp(mesh.vertices, axis=0)))
+    ratio = elongation(mesh)
+    require(
+        2.0 * reach < thickness or ratio <= LONG,
+        f"the longest edge of a cell is {ratio:.2g} times its shortest in the mean: a support that "
+        f"serves it, {2.0 * reach:.4g} m wide, spans the whole body, {thickness:.4g} m thick, and "
+        f"holds {mean:.0f} neighbours, allowed are {MOST_NEIGHBOURS}; mesh with edges within a "
+        "factor of 2 of each other",
+    )
 
 
 def widest_spacing(mesh: Mesh) -> Array:

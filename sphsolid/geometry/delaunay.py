@@ -1,10 +1,16 @@
-"""Delaunay tetrahedra of a set of points, oriented, and the facets that bound a set of them."""
+"""Delaunay tetrahedra of a set of points, oriented, and the facets that bound a set of them.
+
+The points of a lattice lie on common spheres, and a sphere with more than four points has several
+triangulations: round-off would choose, another one in every unit and place.  Here every point has
+a small weight ``w`` instead, by its number alone, and the cells are those of the lower hull of
+``(X, |X|^2 + w)``: the same ones in all units, places, mirrors and turns.
+"""
 
 from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial import Delaunay, QhullError
+from scipy.spatial import ConvexHull, QhullError
 
 from sphsolid.errors import InputError
 from sphsolid.geometry.cell_shape import TETRAHEDRON
@@ -12,23 +18,43 @@ from sphsolid.geometry.facets import cell_facets, same_vertices
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
+#: Largest weight of a point, over the square of the mean distance between points: far above
+#: round-off, far below what would change a cell that is no tie.
+_WEIGHT = 1.0e-7
+#: Upward part of a normal of the lower hull above which it is that of a side.
+_UPRIGHT = 1.0e-12
 
 
 def delaunay(points: Array) -> Indices:
-    """Cells ``(C, 4)`` of positive orientation; flat ones (of volume zero or below) included.
+    """Cells ``(C, 4)`` of positive orientation, in the order of their vertices' numbers.
 
-    Raises ``InputError`` for points that span no volume.
+    Flat ones, of volume zero or below, are included.  Raises ``InputError`` for points that span
+    no volume.
     """
     try:
-        cells = np.asarray(Delaunay(points).simplices, dtype=np.int64)
+        cells = np.sort(_lower_hull(points), axis=1)
     except (QhullError, ValueError) as error:
         raise InputError(
             f"{len(points)} points have no Delaunay tetrahedra: give at least four that do not "
             "lie in one plane, without NaN"
         ) from error
+    cells = cells[np.lexsort(cells.T[::-1])]
     inverted = tetrahedron_volumes(points, cells) < 0.0
     cells[inverted] = cells[inverted][:, [0, 2, 1, 3]]
     return cells
+
+
+def _lower_hull(points: Array) -> Indices:
+    """Cells ``(C, 4)`` of the lower hull of the lifted and weighted points."""
+    low, high = points.min(axis=0), points.max(axis=0)
+    x = (points - 0.5 * (low + high)) / (np.max(high - low) or 1.0)
+    weight = _WEIGHT * len(x) ** (-2.0 / 3.0) * np.random.default_rng(0).random(len(x))
+    lifted = np.concatenate([x, (np.sum(x**2, axis=1) + weight)[:, None]], axis=1)
+    # One point far above, so that four points have a hull too; its facets are not of the lower.
+    top = np.array([[0.0, 0.0, 0.0, 4.0]])
+    hull = ConvexHull(np.concatenate([lifted, top]))
+    lower = (hull.equations[:, 3] < -_UPRIGHT) & np.all(hull.simplices < len(x), axis=1)
+    return np.asarray(hull.simplices[lower], dtype=np.int64)
 
 
 def tetrahedron_volumes(points: Array, cells: Indices) -> Array:

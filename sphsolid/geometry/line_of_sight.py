@@ -22,14 +22,15 @@ from scipy.spatial import cKDTree
 from sphsolid.geometry.facets import same_vertices
 from sphsolid.geometry.inside import ranges
 from sphsolid.geometry.outline import Outline
+from sphsolid.geometry.triangle_balls import Balls, blocks
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
 Mask = NDArray[np.bool_]
 #: Radius of the tube around a segment in which a way round is looked for, over its length.
 SLACK = 0.1
-#: Segments that are worked on at a time.
-_BLOCK = 20_000
+#: A segment counts as at least so many.
+_LEAST = 25
 
 
 def leaving(outline: Outline, points: Array, ends: Indices) -> Mask:
@@ -42,11 +43,14 @@ def leaving(outline: Outline, points: Array, ends: Indices) -> Mask:
         return out
     segment, triangle, sense = _crossings(outline, points, ends)
     crossed = np.unique(segment)
-    for begin in range(0, len(crossed), _BLOCK):
-        chosen = crossed[begin : begin + _BLOCK]
+    balls = Balls.around(outline, np.arange(len(outline.triangles)))
+    tube = _tubes(points[ends[crossed]])
+    for block in blocks(np.maximum(_LEAST, balls.count(*tube))):
+        chosen = crossed[block]
         first, last = np.searchsorted(segment, [chosen[0], chosen[-1] + 1])
         out[chosen] = _separated(
             outline,
+            balls,
             points[ends[chosen]],
             np.searchsorted(chosen, segment[first:last]),
             triangle[first:last],
@@ -59,36 +63,11 @@ def near_hiding(outline: Outline, points: Array, reach: float) -> Mask:
     """Which points ``(n, 3)`` a segment of length ``reach`` [m] can start from and be hidden."""
     if len(outline.hiding) == 0:
         return np.zeros(len(points), dtype=bool)
-    centre, radius = _balls(outline, outline.hiding)
-    distance, _ = cKDTree(centre).query(
-        points, distance_upper_bound=(1.0 + 1.0e-9) * (reach + float(radius.max()))
+    balls = Balls.around(outline, outline.hiding)
+    distance, _ = cKDTree(balls.centre).query(
+        points, distance_upper_bound=(1.0 + 1.0e-9) * (reach + float(balls.radius.max()))
     )
     return np.asarray(np.isfinite(distance))
-
-
-def _balls(outline: Outline, triangles: Indices) -> tuple[Array, Array]:
-    """Centroids and radii of triangles."""
-    corner = outline.mesh.vertices[outline.triangles[triangles]]
-    centre = corner.mean(axis=1)
-    return centre, np.linalg.norm(corner - centre[:, None], axis=2).max(axis=1)
-
-
-def _near(centre: Array, radius: Array, points: Array, reach: Array) -> tuple[Indices, Indices]:
-    """``(point, ball)`` of all points within their ``reach`` of a ball."""
-    found_points, found_balls = [np.zeros(0, np.int64)], [np.zeros(0, np.int64)]
-    # Balls of one size at a time: a few large ones would make every search wide.
-    size = np.floor(np.log2(radius)).astype(int)
-    for k in np.unique(size):
-        members = np.flatnonzero(size == k)
-        near = cKDTree(centre[members]).query_ball_point(
-            points, (1.0 + 1.0e-9) * (reach + radius[members].max()), return_sorted=True
-        )
-        count = np.array([len(found) for found in near], dtype=np.int64)
-        if count.sum() == 0:
-            continue
-        found_points.append(np.repeat(np.arange(len(points)), count))
-        found_balls.append(members[np.concatenate(near).astype(np.int64)])
-    return np.concatenate(found_points), np.concatenate(found_balls)
 
 
 def _crossings(
@@ -100,27 +79,39 @@ def _crossings(
     reach = np.zeros(len(points))
     for side in (0, 1):
         np.maximum.at(reach, ends[:, side], length)
-    centre, radius = _balls(outline, hiding)
-    start, which = _near(centre, radius, points, reach)
+    balls = Balls.around(outline, hiding)
     # Each crossing has one end above the triangle's plane: the segments of that end are tried.
     corner = X[outline.triangles[hiding]]
     normal = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
+    order = np.argsort(ends.ravel(), kind="stable")
+    begin = np.searchsorted(ends.ravel()[order], np.arange(len(points) + 1))
+    served = np.diff(begin)
 
     def above(of: Indices, triangles: Indices) -> Mask:
         offset = points[of] - corner[triangles, 0]
         return np.asarray(np.einsum("nd,nd->n", offset, normal[triangles]) > 0.0)
 
-    over = above(start, which)
-    start, which = start[over], which[over]
-    order = np.argsort(ends.ravel(), kind="stable")
-    begin = np.searchsorted(ends.ravel()[order], np.arange(len(points) + 1))
-    owner, slot = ranges(begin[start], np.diff(begin)[start])
-    segment, upper = order[slot] // 2, order[slot] % 2
-    which = which[owner]
-    under = ~above(ends[segment, 1 - upper], which)
-    segment, upper, which = segment[under], upper[under], which[under]
-    through = _through(X, outline.triangles[hiding[which]], points[ends[segment]])
-    segment, upper, which = segment[through], upper[through], which[through]
+    def crossed(start: Indices, which: Indices) -> tuple[Indices, Indices, Indices]:
+        """``(segment, its upper end, triangle)`` from the points ``start`` above triangles."""
+        owner, slot = ranges(begin[start], served[start])
+        segment, upper = order[slot] // 2, order[slot] % 2
+        which = which[owner]
+        under = ~above(ends[segment, 1 - upper], which)
+        segment, upper, which = segment[under], upper[under], which[under]
+        through = _through(X, outline.triangles[hiding[which]], points[ends[segment]])
+        return segment[through], upper[through], which[through]
+
+    nothing = np.zeros(0, dtype=np.int64)
+    found = [(nothing, nothing, nothing)]
+    held = np.flatnonzero(served > 0)
+    for block in blocks(balls.count(points[held], reach[held])):
+        here = held[block]
+        start, which = balls.near(points[here], reach[here])
+        start = here[start]
+        over = above(start, which)
+        start, which = start[over], which[over]
+        found += [crossed(start[part], which[part]) for part in blocks(served[start])]
+    segment, upper, which = (np.concatenate(part) for part in zip(*found, strict=True))
     order = np.lexsort((which, segment))
     return segment[order], hiding[which[order]], np.where(upper == 1, 1, -1)[order]
 
@@ -141,8 +132,19 @@ def _through(X: Array, triangles: Indices, ends: Array) -> Mask:
     return np.asarray((sides[0] == sides[1]) & (sides[1] == sides[2]))
 
 
+def _tubes(ends: Array) -> tuple[Array, Array]:
+    """Middles ``(P, 3)`` of segments and radii ``(P,)`` [m] of balls around their tubes."""
+    length = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)
+    return ends.mean(axis=1), (0.5 + SLACK) * length
+
+
 def _separated(
-    outline: Outline, ends: Array, segment: Indices, triangle: Indices, sense: Indices
+    outline: Outline,
+    balls: Balls,
+    ends: Array,
+    segment: Indices,
+    triangle: Indices,
+    sense: Indices,
 ) -> Mask:
     """Which segments ``ends (P, 2, 3)`` a piece of the boundary in their tube parts from itself.
 
@@ -152,12 +154,11 @@ def _separated(
     along = ends[:, 1] - ends[:, 0]
     length = np.linalg.norm(along, axis=1)
     tube = SLACK * length
-    centre, radius = _balls(outline, np.arange(count))
-    seg, tri = _near(centre, radius, ends.mean(axis=1), 0.5 * length + tube)
-    to = centre[tri] - ends[seg, 0]
+    seg, tri = balls.near(*_tubes(ends))
+    to = balls.centre[tri] - ends[seg, 0]
     share = np.einsum("nd,nd->n", to, along[seg]) / length[seg] ** 2
     off = np.linalg.norm(to - np.clip(share, 0.0, 1.0)[:, None] * along[seg], axis=1)
-    near = off <= (1.0 + 1.0e-9) * (tube[seg] + radius[tri])
+    near = off <= (1.0 + 1.0e-9) * (tube[seg] + balls.radius[tri])
     seg, tri = seg[near], tri[near]
     # Triangles hang together where a vertex or an edge that they share is within the tube.
     ties = [(seg * count + tri, seg * len(X) + outline.triangles[tri, k]) for k in range(3)]

@@ -134,7 +134,7 @@ def inner_points(points: Array, surface: Surface, name: str) -> Array:
     corner = surface.vertices[surface.triangles]
     edge = np.sqrt(np.mean(np.sum((corner - np.roll(corner, 1, axis=1)) ** 2, axis=2), axis=1))
     distance = surface.distance(points, reach=CLEARANCE * float(edge.max()))
-    clear = distance.length > CLEARANCE * edge[distance.triangle]
+    clear = distance.length > (1.0 + 1.0e-9) * CLEARANCE * edge[distance.triangle]
     inside = surface.contains(points)
     outside = np.flatnonzero(clear & ~inside)
     if len(outside):
@@ -160,7 +160,7 @@ def interior_lattice(
     require(np.isfinite(spacing) and spacing > 0.0, f"spacing = {spacing} m must be positive")
     require(0.0 <= jitter <= 0.9, f"jitter = {jitter} is outside [0, 0.9] of the spacing")
     low, high = surface.vertices.min(axis=0), surface.vertices.max(axis=0)
-    counts = np.maximum(1, np.rint((high - low) / spacing).astype(int))
+    counts = np.maximum(1, np.rint(np.round((high - low) / spacing, 9)).astype(int))
     require(
         float(np.prod(counts.astype(float))) <= 1.0e8,
         f"spacing = {spacing} m makes {' x '.join(map(str, counts.tolist()))} points; the surface "

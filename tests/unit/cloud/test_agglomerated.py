@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -14,9 +15,11 @@ from sphsolid.cloud.agglomerated import clusters
 from sphsolid.errors import InputError
 from sphsolid.geometry import Blocks, Body, Box, PointCloud, Surface, TetBox
 from sphsolid.geometry.body import AS_MESHED
+from sphsolid.geometry.delaunay import delaunay, tetrahedron_volumes
 from sphsolid.geometry.facets import cell_facets, same_vertices
 from sphsolid.geometry.integrals import cell_volumes_and_centroids
 from sphsolid.geometry.mesh import HexMesh, TetMesh
+from tests.oracles import moved_meshes as moved
 
 L_BLOCK = (((0, 0, 0), (3, 6, 2)), ((3, 0, 0), (5, 2, 2)))
 
@@ -122,3 +125,50 @@ def test_what_it_cannot_use_is_refused() -> None:
         Agglomerated().place(Box().mesh(0.5))
     with pytest.raises(InputError, match="per_particle"):
         Agglomerated(0.0).place(TetBox().mesh(0.5))
+
+
+def body_centred() -> TetMesh:
+    """Tetrahedra of a body-centred cubic lattice, all alike inside: every cost is a tie."""
+    corners = np.stack(np.meshgrid(*3 * [np.arange(5.0)], indexing="ij"), axis=-1).reshape(-1, 3)
+    centres = corners[np.all(corners < 4.0, axis=1)] + 0.5
+    vertices = np.concatenate([corners, centres]) / 4.0
+    cells = delaunay(vertices)
+    cells = cells[tetrahedron_volumes(vertices, cells) > 1e-9]
+    return TetMesh(vertices, cells, {}, (2.0 / len(cells)) ** (1 / 3), is_lattice=False)
+
+
+def filled_ball() -> TetMesh:
+    """A lattice inside the surface of a ball."""
+    box = Box((-1.0, -1.0, -1.0)).mesh(0.4)
+    vertices = np.tan(box.vertices * np.pi / 4.0)
+    vertices /= np.maximum(1e-9, np.linalg.norm(vertices, axis=1))[:, None]
+    surface = Surface.closed(vertices=vertices, faces=box.faces)
+    return PointCloud.fill(surface=surface, spacing=0.3).mesh(AS_MESHED)
+
+
+def split_cubes() -> TetMesh:
+    """Cubes of six tetrahedra around a diagonal: centres coincide, and volumes are equal."""
+    hexes = Box(upper=(1.0, 0.75, 0.5)).mesh(0.25)
+    path = [[0, 1, 2, 6], [0, 2, 3, 6], [0, 3, 7, 6], [0, 7, 4, 6], [0, 4, 5, 6], [0, 5, 1, 6]]
+    cells = hexes.cells[:, path].reshape(-1, 4)
+    stretched = hexes.vertices * [1.0, 0.7, 1.3]
+    return TetMesh(stretched, cells, {}, 0.25 * 0.91 ** (1 / 3), is_lattice=False)
+
+
+@pytest.mark.parametrize("per_particle", [1.0, 2.0])
+@pytest.mark.parametrize("make", [body_centred, filled_ball, split_cubes])
+def test_equal_costs_are_not_left_to_round_off(
+    make: Callable[[], TetMesh], per_particle: float
+) -> None:
+    """In any unit, at any place, in the mirror and turned the secondary points are the same."""
+    mesh, points = make(), Agglomerated(per_particle)
+    X, _ = points.place(mesh)
+    for unit in (1e-3, 25.4, 1e3, 1.0 / 3.0):
+        there, _ = points.place(moved.scaled(mesh, unit))
+        np.testing.assert_allclose(there / unit, X, rtol=0.0, atol=1e-13)
+    there, _ = points.place(moved.elsewhere(mesh, (1e3, -700.0, 30.1)))
+    np.testing.assert_allclose(there - [1e3, -700.0, 30.1], X, rtol=0.0, atol=1e-11)
+    there, _ = points.place(moved.mirrored(mesh))
+    np.testing.assert_allclose(there * [-1.0, 1.0, 1.0], X, rtol=0.0, atol=1e-13)
+    there, _ = points.place(moved.turned(mesh))
+    np.testing.assert_allclose(there, X[:, [1, 2, 0]], rtol=0.0, atol=1e-13)

@@ -10,10 +10,23 @@ import pytest
 import sphsolid as sph
 from sphsolid.cloud import build_cloud, build_secondary, consistency_report
 from sphsolid.cloud.lengths import Local, Uniform, lengths_of, widest_spacing
+from sphsolid.cloud.long_cells import doubts
 from sphsolid.cloud.pairs.neighbours import pairs_of_lengths, pairs_within
+from sphsolid.errors import InputError
 from sphsolid.geometry import Box, HexMesh
 from sphsolid.scenes import Scene
 from tests.oracles.blocks import RUBBER
+
+
+@dataclasses.dataclass(frozen=True)
+class Meshed:
+    """A body that is a mesh already."""
+
+    ready: HexMesh
+    volume: float
+
+    def mesh(self, spacing: object) -> HexMesh:
+        return self.ready
 
 
 def graded(ratio: float = 4.0) -> HexMesh:
@@ -99,3 +112,46 @@ def test_every_operator_keeps_its_identities_on_a_graded_cloud(operator: object)
     weight = q.sample[:, 3]
     total = np.add.reduceat(weight[:, None] * cloud.X[q.pairs.indices], q.pairs.indptr[:-1])
     np.testing.assert_allclose(total, q.X, atol=1e-12)
+
+
+def stretched(cells: tuple[int, int, int], edges: tuple[float, float, float]) -> HexMesh:
+    """Layers of sheared cells with these edges: no lattice and no grid."""
+    mesh = Box(upper=tuple(map(float, cells))).mesh(1.0)
+    X = mesh.vertices * edges
+    X[:, 0] += 0.1 * edges[0] / edges[1] * X[:, 1]
+    size = float(np.cbrt(np.prod(edges)))
+    return HexMesh(X, mesh.cells, mesh.faces, size, False)
+
+
+NEEDLES = {
+    "two layers": stretched((16, 16, 2), (1.8e-3, 1.8e-3, 10e-3)),
+    "across": stretched((2, 20, 14), (10.0, 2.0, 2.0)),
+}
+
+
+@pytest.mark.parametrize("name", NEEDLES)
+def test_needles_whose_support_spans_the_body_are_refused(name: str) -> None:
+    mesh = NEEDLES[name]
+    with pytest.raises(InputError, match=r"times its shortest .* spans the whole body"):
+        sph.Simulation(Scene("needles", Meshed(mesh, 1.0), RUBBER, 1.0))
+
+
+@pytest.mark.parametrize("edges", [(1.0, 1.0, 4.0), (4.0, 4.0, 1.0)])
+def test_cells_much_longer_than_wide_are_warned_of(edges: tuple[float, float, float]) -> None:
+    mesh = stretched((4, 4, 4), edges)
+    volume = float(np.prod(4.0 * np.array(edges)))
+    with pytest.warns(UserWarning, match=r"4 times its shortest .* within a factor of 2"):
+        sim = sph.Simulation(
+            Scene("long", Meshed(mesh, volume), RUBBER, 1.0), operator=sph.Consistent()
+        )
+    assert "doubtful       the longest edge of a cell is 4 times its shortest" in sim.plan()
+
+
+def test_a_gradient_that_had_to_change_much_is_warned_of() -> None:
+    mesh = Box(jitter=0.2).mesh(0.25)
+    cloud = build_cloud(
+        mesh, smoothing=sph.WendlandC2(), h_over_dx=0.9, operator=sph.Consistent()
+    )
+    assert doubts(cloud) == []
+    (text,) = doubts(dataclasses.replace(cloud, change=15.0))
+    assert "differs from the printed one by 15" in text
