@@ -57,11 +57,15 @@ def wave_tables(rows: list[Row]) -> dict[str, pd.DataFrame]:
     }
 
 
+#: Where a bar is cut, with its value above it.
+_TALLEST = 125.0
+
+
 def vibration_figure(table: pd.DataFrame, out: Path) -> Path:
     """Energy left after ten periods, and frequency error: a bar a method, a group a case."""
     groups = list(dict.fromkeys(zip(table["nu"], table["cells"], strict=True)))
     figure, axes = panels(1, 2, width=3.6, height=2.9)
-    measures = (("energy_left", "energy left after ten periods [-]", 1.0),
+    measures = (("energy_left", "energy left after ten periods [%]", 100.0),
                 ("frequency_error", "frequency error [%]", 100.0))  # fmt: skip
     for ax, (column, label, scale) in zip(axes[0], measures, strict=True):
         for shift, (name, colour) in enumerate(_COLOURS.items()):
@@ -70,7 +74,12 @@ def vibration_figure(table: pd.DataFrame, out: Path) -> Path:
                 continue
             at = [groups.index(key) for key in zip(part["nu"], part["cells"], strict=True)]
             place = np.array(at) + 0.2 * (shift - 1.5)
-            ax.bar(place, scale * part[column], width=0.19, color=colour, label=name)
+            height = scale * part[column].to_numpy()
+            ax.bar(place, np.minimum(height, _TALLEST), width=0.19, color=colour, label=name)
+            for x, value in zip(place, height, strict=True):
+                if value > _TALLEST:
+                    # A bar that grew a millionfold would leave nothing of the others.
+                    ax.annotate(f"{value:.0e}", (x, _TALLEST), ha="center", va="bottom", fontsize=7)
         ax.set_xticks(range(len(groups)), [f"nu {nu:g}\n1/{cells}" for nu, cells in groups])
         ax.set_ylabel(label)
         ax.axhline(0.0, color="black", linewidth=0.6)
