@@ -33,8 +33,9 @@ def extrapolate(h: ArrayLike, values: ArrayLike) -> Limit:
     spacing, found = np.asarray(h, dtype=float), np.asarray(values, dtype=float)
     require(
         spacing.ndim == 1 and spacing.shape == found.shape and len(spacing) >= LEVELS
-        and len(np.unique(spacing)) == len(spacing) and bool(np.isfinite(found).all()),
-        f"extrapolate needs finite values at {LEVELS} or more different spacings, got "
+        and len(np.unique(spacing)) == len(spacing) and bool(np.isfinite(found).all())
+        and bool(np.all((spacing > 0.0) & np.isfinite(spacing))),
+        f"extrapolate needs finite values at {LEVELS} or more different positive spacings, got "
         f"{found.tolist()} at h = {spacing.tolist()}",
     )  # fmt: skip
     finest = np.argsort(spacing, kind="stable")
