@@ -2,11 +2,21 @@
 
 from __future__ import annotations
 
+import importlib.util
 import shutil
 import tempfile
 from pathlib import Path
 
-from studies.report.document import Bullets, Document, Figure, Paragraph, Section, Table, pieces
+from sphsolid.errors import require
+from studies.engine.document import (
+    Bullets,
+    Document,
+    Figure,
+    Heading,
+    Paragraph,
+    Table,
+    pieces,
+)
 
 _PREAMBLE = """
 #set page(paper: "a4", margin: (x: 20mm, top: 22mm, bottom: 22mm), numbering: "1 / 1")
@@ -35,10 +45,18 @@ _WIDTH_AT_9PT = 104
 _LONG_TEXT = 46
 
 
-def render(document: Document, path: Path) -> None:
-    """Write the PDF; figures are copied beside the source, so no folder enters the file."""
+def write_pdf(document: Document, path: Path) -> None:
+    """Write the PDF with typst; equal documents give equal bytes.
+
+    Raises ``InputError`` where typst is not installed.
+    """
+    require(
+        importlib.util.find_spec("typst") is not None,
+        "reports are typeset by typst, which is not installed: pip install 'sphsolid[report]'",
+    )
     import typst
 
+    path.parent.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory() as folder:
         source = Path(folder) / "document.typ"
         source.write_text(to_typst(document, Path(folder)), encoding="utf-8")
@@ -50,7 +68,7 @@ def render(document: Document, path: Path) -> None:
 
 
 def to_typst(document: Document, folder: Path) -> str:
-    """The typst source; figures are copied into ``folder``."""
+    """The typst source; figures are copied into ``folder``, so no other folder enters the file."""
     parts = [
         f"#set document(title: {quote(document.title)}, author: (), date: none)",
         _PREAMBLE,
@@ -60,17 +78,11 @@ def to_typst(document: Document, folder: Path) -> str:
         parts.append(f"#align(center)[#text(fill: luma(90))[{markup(document.subtitle)}]]")
     if document.abstract:
         abstract = markup(document.abstract)
-        parts.append(f"#pad(x: 8mm, y: 3mm)[#text(size: 0.95em)[#strong[Abstract.] {abstract}]]")
-    figures = 0
-    for section in document.sections:
-        parts.append(f"= {markup(section.title)}")
-        figures = _section(section, parts, folder, figures)
-    return "\n\n".join(parts) + "\n"
-
-
-def _section(section: Section, parts: list[str], folder: Path, figures: int) -> int:
-    for block in section.blocks:
+        parts.append(f"#pad(x: 8mm, y: 3mm)[#text(size: 0.95em)[{abstract}]]")
+    for number, block in enumerate(document.blocks, start=1):
         match block:
+            case Heading(text, level):
+                parts.append(f"{'=' * level} {markup(text)}")
             case Paragraph(text):
                 parts.append(markup(text))
             case Bullets(items):
@@ -78,14 +90,13 @@ def _section(section: Section, parts: list[str], folder: Path, figures: int) -> 
             case Table():
                 parts.append(_table(block))
             case Figure():
-                figures += 1
-                name = f"figure-{figures}.pdf"
-                shutil.copyfile(block.file("pdf"), folder / name)
+                name = f"figure-{number}{block.path.suffix}"
+                shutil.copyfile(block.path, folder / name)
                 parts.append(
                     f"#figure(drawing({quote(name)}, {block.width:.4g}), "
                     f"caption: [{markup(block.caption)}])"
                 )
-    return figures
+    return "\n\n".join(parts) + "\n"
 
 
 def _table(table: Table) -> str:
@@ -113,7 +124,7 @@ def _table(table: Table) -> str:
     )
 
 
-_WRAP = {"plain": "{}", "code": "raw({})", "bold": "strong({})"}
+_WRAP = {"plain": "{}", "code": "raw({})", "bold": "strong({})", "emph": "emph({})"}
 
 
 def markup(text: str) -> str:

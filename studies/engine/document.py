@@ -1,10 +1,7 @@
-"""A small model of a document, and how it becomes a PDF.
+"""A small model of a report, which ``typeset`` makes a PDF of.
 
-A report is a title, an abstract and sections of paragraphs, bullet lists, tables and figures.
-With the ``typst`` package it is typeset by typst, otherwise laid out plainly by matplotlib; the
-content is the same.  Equal documents give equal bytes: no date or version enters the file.
-
-Texts are plain; `` `code` `` and ``**bold**`` are the only markup, everything else is literal.
+A report is a title, an abstract and blocks: headings, paragraphs, bullet lists, tables, figures.
+Texts are plain; `` `code` ``, ``*emphasis*`` and ``**bold**`` are the only markup.
 """
 
 from __future__ import annotations
@@ -13,12 +10,18 @@ import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 import pandas as pd
 
-from sphsolid.errors import require
+
+@dataclass(frozen=True)
+class Heading:
+    """A numbered heading; ``level`` 1 is the highest."""
+
+    text: str
+    level: int = 1
 
 
 @dataclass(frozen=True)
@@ -70,32 +73,14 @@ class Table:
 
 @dataclass(frozen=True)
 class Figure:
-    """A drawing saved by ``plotting.save_figure``: ``path`` names it with or without suffix.
-
-    Both ``.pdf`` (for typst) and ``.png`` must be there.  ``width`` is a fraction of the text's.
-    """
+    """A drawing in a file (PDF or PNG); ``width`` is a fraction of the text's."""
 
     caption: str
     path: Path
     width: float = 1.0
 
-    def file(self, kind: Literal["pdf", "png"]) -> Path:
-        """The saved file of one kind; raises ``InputError`` if it is missing."""
-        stem = self.path.with_suffix("") if self.path.suffix in (".pdf", ".png") else self.path
-        path = stem.with_name(f"{stem.name}.{kind}")
-        require(path.exists(), f"figure {path} is missing: save it before the report is made")
-        return path
 
-
-Block = Paragraph | Bullets | Table | Figure
-
-
-@dataclass(frozen=True)
-class Section:
-    """A heading and what stands under it."""
-
-    title: str
-    blocks: Sequence[Block]
+Block = Heading | Paragraph | Bullets | Table | Figure
 
 
 @dataclass(frozen=True)
@@ -104,7 +89,7 @@ class Document:
 
     title: str
     abstract: str
-    sections: Sequence[Section]
+    blocks: Sequence[Block]
     subtitle: str = ""
 
 
@@ -122,13 +107,15 @@ def format_cell(value: Any, pattern: str = "") -> str:
 
 
 def pieces(text: str) -> list[tuple[str, str]]:
-    """Split a text into ``(kind, text)`` with kind ``plain``, ``code`` or ``bold``."""
+    """Split a text into ``(kind, text)``: ``plain``, ``code``, ``bold`` or ``emph``."""
     found = []
-    for part in re.split(r"(`[^`]+`|\*\*[^*]+\*\*)", text):
+    for part in re.split(r"(`[^`]+`|\*\*[^*]+\*\*|(?<!\w)\*[^*\s][^*]*\*(?!\w))", text):
         if len(part) > 2 and part[0] == part[-1] == "`":
             found.append(("code", part[1:-1]))
         elif len(part) > 4 and part[:2] == part[-2:] == "**":
             found.append(("bold", part[2:-2]))
+        elif len(part) > 2 and part[0] == part[-1] == "*":
+            found.append(("emph", part[1:-1]))
         elif part:
             found.append(("plain", part))
     return found

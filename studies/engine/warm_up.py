@@ -8,19 +8,17 @@ first run waits.
 from __future__ import annotations
 
 import hashlib
-import tempfile
 import time
 from collections.abc import Callable, Sequence
 from contextlib import suppress
-from pathlib import Path
 
 import numba
 
 from sphsolid.compiled import CACHE_DIR
-from studies.harness.cases import Case, case_hash
-from studies.harness.pool import run_cases
-from studies.harness.progress import duration
-from studies.harness.provenance import cpu_model
+from studies.engine.case import Case, case_hash
+from studies.engine.pool import Processes
+from studies.engine.progress import duration
+from studies.engine.provenance import cpu_model
 
 
 def warm_up(cases: Sequence[Case], *, threads: int, say: Callable[[str], None]) -> None:
@@ -36,12 +34,11 @@ def warm_up(cases: Sequence[Case], *, threads: int, say: Callable[[str], None]) 
         return
     say("compiling kernels (first run only) ...")
     start = time.perf_counter()
-    with tempfile.TemporaryDirectory() as folder:
-        failed = [
-            outcome.key
-            for _, outcome in run_cases(cases, folder=Path(folder), jobs=1, threads=threads)
-            if outcome.failed
-        ]
+    failed = [
+        outcome.key
+        for _, outcome in Processes(jobs=1, threads=threads).run(cases)
+        if outcome.failed
+    ]
     say(f"compiled in {duration(time.perf_counter() - start)}")
     if not failed:
         # Without a place to remember it, the next run of the study looks again.

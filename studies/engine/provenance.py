@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from sphsolid.compiled import source_hash
-from studies.harness.cases import ROOT
+from studies.engine.sources import ROOT, hash_of_sources
 
 _PACKAGES = ("numpy", "scipy", "numba", "llvmlite", "scikit-fem", "pandas", "matplotlib", "typst")
 
@@ -30,6 +30,7 @@ def package_version() -> str:
 def describe_run(
     *,
     study: str,
+    module: str,
     argv: Sequence[str],
     mode: str,
     jobs: int,
@@ -55,6 +56,7 @@ def describe_run(
             _git("status", "--porcelain", "--", "sphsolid", "fem_reference", "studies")
         ),
         "source_hash": source_hash(),
+        "study_hash": hash_of_sources(module),
         "python": platform.python_version(),
         "packages": {name: _version(name) for name in _PACKAGES},
         "system": f"{platform.system()} {platform.machine()}",

@@ -11,7 +11,7 @@ from typing import Any
 import pandas as pd
 
 from sphsolid.errors import InputError
-from studies.harness.cases import write_atomically
+from studies.engine.case import write_atomically
 
 Tables = Mapping[str, pd.DataFrame]
 

@@ -13,7 +13,7 @@ from pathlib import Path
 import pandas as pd
 
 from sphsolid.errors import InputError, require
-from studies.harness.cases import ROOT, write_atomically
+from studies.engine.case import ROOT, write_atomically
 
 BEGIN, END = "<!-- results: begin -->", "<!-- results: end -->"
 _ROWS = [

@@ -200,11 +200,13 @@ def outside_legend(figure: Figure, axes: Iterable[Axes], *, columns: int = 3) ->
         )
 
 
-def save_figure(figure: Figure, stem: Path) -> Path:
-    """Write ``stem.png`` (200 dpi) and ``stem.pdf``, no date or version in them; gives ``stem``."""
-    stem.parent.mkdir(parents=True, exist_ok=True)
-    nothing = {"CreationDate": None, "Creator": None, "Producer": None}
+def save_figure(figure: Figure, path: Path) -> Path:
+    """Write a PDF, or a PNG with 200 dpi, by the suffix of ``path``; no date or version in it."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    nothing: dict[str, Any] = {"CreationDate": None, "Creator": None, "Producer": None}
     with style():
-        figure.savefig(stem.with_name(f"{stem.name}.png"), dpi=200, metadata={"Software": None})
-        figure.savefig(stem.with_name(f"{stem.name}.pdf"), metadata=nothing)
-    return stem
+        if path.suffix == ".png":
+            figure.savefig(path, dpi=200, metadata={"Software": None})
+        else:
+            figure.savefig(path, metadata=nothing)
+    return path

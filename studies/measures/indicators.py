@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from sphsolid.geometry.cell_shape import CORNERS
 from sphsolid.geometry.mesh import HexMesh, hexahedra
 from sphsolid.record import Snapshot
-from studies.report.percentiles import weighted_percentile
+from studies.measures.percentiles import weighted_percentile
 
 Array = NDArray[np.float64]
 Triples = NDArray[np.int64]

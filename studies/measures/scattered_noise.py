@@ -28,7 +28,7 @@ def scattered_noise(snapshot: Snapshot, *, spacing: float) -> float:
     ``a`` itself.  The share is its root mean square over that of ``p - mean p``, both weighted by
     volume, over that of a checkerboard inside a lattice, 6/7.  So inside a lattice a checkerboard
     has 1, a saw tooth in one direction 1, a linear field 0 and a sine of ten spacings 0.1, as in
-    :func:`~studies.report.indicators.pressure_noise`; a linear field has 0 in any disorder.  A
+    :func:`~studies.measures.indicators.pressure_noise`; a linear field has 0 in any disorder.  A
     point's own weight keeps those at a face, edge or corner, where the fit is one-sided, from
     counting more than those inside.  ``spacing`` [m] is given, because that of a mesh and that of a
     cloud on the same points differ where cells are no cubes, and with it who is a neighbour.

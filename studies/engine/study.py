@@ -1,13 +1,12 @@
-"""The one command line that every study shares.
+"""A study, and the one command line that all of them share.
 
-A study is a :class:`Study`: which cases there are, which tables their rows make, and how the
-report is made *from the tables*.  Everything else (workers, progress, resuming, failures, files,
-provenance) is here, so a study file holds nothing but its subject::
+A study is a file with its cases, tables, claims and figures, and a Markdown file with its words.
+Workers, progress, resuming, failures, files and provenance are here::
 
-    STUDY = Study(name="convergence", cases=..., tables=..., report=...)
+    STUDY = Study(name="convergence", cases=..., tables=..., claims=..., figures=..., text=...)
 
     if __name__ == "__main__":
-        sys.exit(main(STUDY))
+        run_study(STUDY)
 """
 
 from __future__ import annotations
@@ -16,48 +15,62 @@ import argparse
 import json
 import sys
 import time
-from collections.abc import Callable, Sequence
-from contextlib import closing
-from dataclasses import asdict, dataclass
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import closing, contextmanager
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
+from typing import Any
 
 import pandas as pd
+from matplotlib.figure import Figure as Drawing
 
 from sphsolid.errors import InputError, require
 from sphsolid.paths import path_of
-from studies.harness.cases import Case, Outcome, Row, load, partial_path, write_atomically
-from studies.harness.pool import longest_first, run_cases
-from studies.harness.progress import Reporter, duration, reporter
-from studies.harness.provenance import cores, describe_run
-from studies.harness.results import Results, Tables, read_results, write_csv
-from studies.harness.warm_up import warm_up
-from studies.report.document import Document
-from studies.report.document_pdf import write_pdf
-from studies.report.plotting import style
+from studies.engine.case import Case, Outcome, Row, load, partial_path, store, write_atomically
+from studies.engine.claims import Claim, claims_table
+from studies.engine.plotting import save_figure, style
+from studies.engine.pool import Processes, Workers, longest_first
+from studies.engine.progress import Reporter, duration, reporter
+from studies.engine.provenance import cores, describe_run
+from studies.engine.results import Results, Tables, read_results, write_csv
+from studies.engine.scheduler import on_cluster
+from studies.engine.text import document
+from studies.engine.typeset import write_pdf
+from studies.engine.warm_up import warm_up
 
-__all__ = ["Case", "Results", "Study", "main", "parse", "read_results"]
+__all__ = ["Case", "Claim", "Results", "Row", "Study", "Tables", "main", "parse", "run_study"]
 
 
 @dataclass(frozen=True)
 class Study:
-    """A study, as the front needs it.
+    """What one study is about.
 
-    ``cases(options)`` lists the runs, ``options`` being the parsed command line (``quick`` and
+    ``cases(options)`` lists the runs; ``options`` is the parsed command line (``quick`` and
     whatever ``arguments(parser)`` added).  ``tables(rows)`` turns the rows of all finished cases
-    into tables; ``table`` among them is the main one, and the order of rows is that of the
-    cases, whatever finished first.  ``report(results)`` draws figures into ``results.out`` and
-    returns the document.  ``summary(tables)`` is printed at the end.  ``warm_up(options)`` lists
-    tiny cases that compile every kernel the study uses; the cheapest case if left out.
+    into tables; ``table`` is the main one, and rows are in the order of the cases.
+    ``claims(tables)`` judges them.  ``figures`` are functions of the results by name; those in
+    ``shown`` are kept as PNG beside the tables, for README and docs.  ``text`` is the Markdown file
+    of the report, and ``words(tables)`` are further holes in it.  ``warm_up(options)`` lists tiny
+    cases that compile every kernel of the study; the cheapest case if left out.
     """
 
     name: str
     cases: Callable[[argparse.Namespace], Sequence[Case]]
     tables: Callable[[list[Row]], Tables]
-    report: Callable[[Results], Document]
-    summary: Callable[[Tables], str] = lambda tables: tables["table"].to_string(index=False)
+    text: Path
+    claims: Callable[[Tables], Sequence[Claim]] = lambda tables: ()
+    figures: Mapping[str, Callable[[Results], Drawing]] = field(default_factory=dict)
+    shown: Sequence[str] = ()
+    words: Callable[[Tables], Mapping[str, Any]] = lambda tables: {}
+    summary: Callable[[Tables], str] | None = None
     arguments: Callable[[argparse.ArgumentParser], None] = lambda parser: None
     warm_up: Callable[[argparse.Namespace], Sequence[Case]] | None = None
     description: str = ""
+
+
+def run_study(study: Study) -> None:
+    """Run a study from its command line and end the process with its status."""
+    sys.exit(main(study))
 
 
 def main(study: Study, argv: Sequence[str] | None = None) -> int:
@@ -72,16 +85,15 @@ def main(study: Study, argv: Sequence[str] | None = None) -> int:
         if not options.report_only:
             _run(study, options, given)
         results = read_results(study.name, options.out)
-        with style():
-            document = study.report(results)
-        write_pdf(document, options.out / "report.pdf")
+        claims = list(study.claims(results.tables))
+        _report(study, results, claims)
     except InputError as error:
         print(f"error: {error}", file=sys.stderr)
         return 2
     except KeyboardInterrupt:
         print("\ninterrupted; go on with the same command and --resume", file=sys.stderr)
         return 130
-    print(study.summary(results.tables))
+    print(_summary(study, results.tables, claims))
     print(_closing_lines(results))
     return 0 if len(results.tables["table"]) else 1
 
@@ -101,16 +113,17 @@ def parse(study: Study, given: Sequence[str]) -> argparse.Namespace:
         f"or out/{study.name}-quick with --quick)",
     )
     parser.add_argument(
-        "--jobs", type=int, default=cores(), help="cases at once (default: cores, %(default)s)"
+        "--jobs", type=int, help=f"cases at once (default: cores, {cores()}, or the whole cluster)"
     )
     parser.add_argument("--threads", type=int, default=1, help="kernel threads of each (default 1)")
+    parser.add_argument("--scheduler", metavar="ADDRESS", help="run on this Dask cluster")
     parser.add_argument("--resume", action="store_true", help="keep the cases that are done")
     parser.add_argument(
         "--report-only", action="store_true", help="remake figures and report from the tables"
     )
     study.arguments(parser)
     options = parser.parse_args(given)
-    if options.jobs < 1 or options.threads < 1:
+    if (options.jobs is not None and options.jobs < 1) or options.threads < 1:
         parser.error("--jobs and --threads must be at least 1")
     if options.out is None:
         # A quick look must not replace the results of the whole study.
@@ -133,44 +146,53 @@ def _run(study: Study, options: argparse.Namespace, given: Sequence[str]) -> Non
             stale.unlink()
     resumed = len(outcomes)
     todo = [case for case in cases if case.key not in outcomes]
+    jobs = options.jobs or cores()
     if todo:
-        tiny = study.warm_up(options) if study.warm_up else [min(cases, key=lambda c: c.cost)]
-        warm_up(tiny, threads=options.threads, say=lambda text: print(text, flush=True))
-        show = reporter(todo, options.jobs)
-        try:
-            if resumed:
-                show.say(f"{resumed} of {len(cases)} cases were done before")
-            outcomes |= _work(todo, options, folder, show)
-        finally:
-            show.close()
+        with _workers(options) as workers:
+            if options.scheduler is None:
+                tiny = study.warm_up(options) if study.warm_up else [min(cases, key=_cost)]
+                warm_up(tiny, threads=options.threads, say=lambda text: print(text, flush=True))
+            show = reporter(todo, jobs)
+            try:
+                if resumed:
+                    show.say(f"{resumed} of {len(cases)} cases were done before")
+                outcomes |= _work(todo, workers, options.quick, folder, show)
+            finally:
+                show.close()
     _write(study, options, given, [outcomes[key] for key in keys], resumed, start)
 
 
+def _cost(case: Case) -> float:
+    return case.cost
+
+
+@contextmanager
+def _workers(options: argparse.Namespace) -> Iterator[Workers]:
+    if options.scheduler is None:
+        yield Processes(options.jobs or cores(), options.threads)
+    else:
+        with on_cluster(options.scheduler, jobs=options.jobs) as workers:
+            yield workers
+
+
 def _kept(cases: Sequence[Case], folder: Path) -> dict[str, Outcome]:
-    """Outcomes that need no second try: rows, or a solution that was lost."""
+    """Outcomes that need no second try: rows, or a solution that diverged."""
     found = {case.key: load(partial_path(folder, case)) for case in cases}
     return {
         key: outcome
         for key, outcome in found.items()
-        if outcome is not None and (outcome.lost or not outcome.failed)
+        if outcome is not None and (outcome.diverged or not outcome.failed)
     }
 
 
 def _work(
-    todo: Sequence[Case], options: argparse.Namespace, folder: Path, show: Reporter
+    todo: Sequence[Case], workers: Workers, quick: bool, folder: Path, show: Reporter
 ) -> dict[str, Outcome]:
-    ordered = list(todo) if options.quick else longest_first(todo)
+    ordered = list(todo) if quick else longest_first(todo)
     outcomes = {}
-    running = run_cases(
-        ordered,
-        folder=folder,
-        jobs=options.jobs,
-        threads=options.threads,
-        started=show.started,
-        tick=show.tick,
-    )
-    with closing(running):
+    with closing(workers.run(ordered, started=show.started, tick=show.tick)) as running:
         for case, outcome in running:
+            store(partial_path(folder, case), outcome)
             outcomes[case.key] = outcome
             show.finished(case, outcome)
     return outcomes
@@ -194,9 +216,10 @@ def _write(
     write_csv(failures, options.out / "failures.csv")
     run = describe_run(
         study=study.name,
+        module=study.cases.__module__,
         argv=given,
         mode="quick" if options.quick else "full",
-        jobs=options.jobs,
+        jobs=options.jobs or cores(),
         threads=options.threads,
         wall_s=time.perf_counter() - start,
         cases=len(outcomes),
@@ -204,6 +227,38 @@ def _write(
         resumed=resumed,
     ) | {"tables": list(tables)}
     write_atomically(options.out / "run.json", json.dumps(run, indent=2) + "\n")
+
+
+def _report(study: Study, results: Results, claims: Sequence[Claim]) -> None:
+    """``claims.csv``, the shown PNGs and ``report.pdf``, from the tables alone."""
+    if claims:
+        write_csv(claims_table(claims, worst_first=False), results.out / "claims.csv")
+    made = results.out / "figures"
+
+    def draw(name: str) -> Path:
+        require(
+            name in study.figures,
+            f"{study.text.name}: no figure {name!r}; there are {', '.join(study.figures)}",
+        )
+        drawing = study.figures[name](results)
+        if name in study.shown:
+            save_figure(drawing, results.out / f"{name}.png")
+        return save_figure(drawing, made / f"{name}.pdf")
+
+    with style():
+        report = document(
+            study.text, results, claims=claims, words=study.words(results.tables), draw=draw
+        )
+        write_pdf(report, results.out / "report.pdf")
+
+
+def _summary(study: Study, tables: Tables, claims: Sequence[Claim]) -> str:
+    if study.summary is not None:
+        return study.summary(tables)
+    if claims:
+        shown = claims_table(claims)[["claim", "measured", "asked", "verdict"]]
+        return str(shown.to_string(index=False, max_colwidth=60))
+    return str(tables["table"].to_string(index=False))
 
 
 def _closing_lines(results: Results) -> str:

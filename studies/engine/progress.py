@@ -11,7 +11,7 @@ from rich.console import Console
 from rich.markup import escape
 from rich.progress import BarColumn, Progress, TaskID, TextColumn
 
-from studies.harness.cases import Case, Outcome
+from studies.engine.case import Case, Outcome
 
 
 class Reporter(Protocol):

@@ -1,16 +1,15 @@
 """A case: the unit of work of a study, and how one is run, stored and found again.
 
-A case names its function by module path, because a worker process imports it afresh.  Its
-outcome is kept in ``<out>/partial/<key>-<hash>.json``; the hash covers the function, its
-arguments, the sources of the room it lives in and of both solvers.  So
-a study that was killed goes on where it stopped, and a changed source runs again.
+The outcome of a case is kept in ``<out>/partial/<key>-<hash>.json``.  The hash covers the function,
+its arguments, the sources of both solvers and those of the study, so a study that was killed goes
+on where it stopped, and a changed source runs again.
 """
 
 from __future__ import annotations
 
 import dataclasses
 import hashlib
-import importlib
+import inspect
 import json
 import os
 import re
@@ -23,8 +22,9 @@ from typing import Any
 
 from sphsolid.compiled import source_hash
 from sphsolid.errors import Diverged, InputError, require
+from sphsolid.record.plain import plain
+from studies.engine.sources import ROOT, hash_of_sources
 
-ROOT = Path(__file__).resolve().parents[2]
 Row = dict[str, Any]
 
 
@@ -32,38 +32,36 @@ Row = dict[str, Any]
 class Case:
     """One independent run.
 
-    ``key`` names it in progress, failures and reports; ``run`` is ``"package.module:function"``
-    and returns a list of rows (dictionaries of numbers and texts); ``arguments`` are its keyword
-    arguments: numbers, texts, booleans, ``None``, lists and mappings of those; ``cost`` is its
-    expected time in any unit, used for the order of work and the estimate of the time left.
+    ``key`` names it in progress, failures and reports.  ``run`` is a function of a module, which
+    a worker process imports; it returns a list of rows (dictionaries of numbers and texts).
+    ``arguments`` are its keyword arguments: plain values and option objects, told apart by their
+    ``repr``.  ``cost`` is the expected time in any unit, used for the order of work and the
+    estimate of the time left.
     """
 
     key: str
-    run: str
+    run: Callable[..., list[Row]]
     arguments: Mapping[str, Any] = field(default_factory=dict)
     cost: float = 1.0
 
     def __post_init__(self) -> None:
+        named = inspect.isfunction(self.run) and self.run.__qualname__ == self.run.__name__
         require(
-            re.fullmatch(r"[\w.]+:\w+", self.run) is not None,
-            f"case {self.key!r}: run = {self.run!r} is not of the form 'package.module:function'",
+            named and self.run.__name__ != "<lambda>",
+            f"case {self.key!r}: run = {self.run!r} must be a function of a module, so that a "
+            "worker process can import it",
         )
         require(
             0.0 < self.cost < float("inf"),
             f"case {self.key!r}: cost = {self.cost} must be positive and finite",
         )
 
-    def function(self) -> Callable[..., list[Row]]:
-        """Import what ``run`` names."""
-        module, name = self.run.split(":")
-        return getattr(importlib.import_module(module), name)
-
 
 @dataclass(frozen=True)
 class Outcome:
     """What became of a case: its rows, or in ``failure`` the kind of error and its message.
 
-    ``lost`` is True where the solution itself diverged: a result, the same every time.  Any
+    ``diverged`` is True where the solution itself diverged: a result, the same every time.  Any
     other failure may be the machine's, so ``--resume`` tries it again.
     """
 
@@ -72,7 +70,7 @@ class Outcome:
     rows: list[Row] = field(default_factory=list)
     failure: str = ""
     message: str = ""
-    lost: bool = False
+    diverged: bool = False
 
     @property
     def failed(self) -> bool:
@@ -82,20 +80,17 @@ class Outcome:
 
 def case_hash(case: Case) -> str:
     """Hash of everything that can change the rows of a case; raises ``InputError``."""
-    try:
-        arguments = json.dumps(dict(case.arguments), sort_keys=True)
-    except TypeError as error:
-        raise InputError(
-            f"case {case.key!r}: arguments must be numbers, texts, lists and mappings, so that "
-            f"they can be compared with those of a stored result ({error})"
-        ) from error
-    module = importlib.import_module(case.run.split(":")[0])
-    # Its neighbours too: a study's cases lean on the other files of their room.
-    room = Path(module.__file__).parent if module.__file__ else Path()
-    source = b"".join(path.read_bytes() for path in sorted(room.glob("*.py")))
+    words = {name: plain(value) for name, value in sorted(case.arguments.items())}
+    for name, text in words.items():
+        require(
+            re.search(r" at 0x[0-9a-f]+>", text) is None,
+            f"case {case.key!r}: argument {name} = {text} has no value that can be compared with "
+            "that of a stored result; use numbers, texts, option objects and lists of those",
+        )
+    name = f"{case.run.__module__}:{case.run.__qualname__}"
     digest = hashlib.sha256()
-    for part in (case.run.encode(), arguments.encode(), source_hash().encode(), source):
-        digest.update(hashlib.sha256(part).digest())
+    for part in (name, repr(words), source_hash(), hash_of_sources(case.run.__module__)):
+        digest.update(hashlib.sha256(part.encode()).digest())
     return digest.hexdigest()[:16]
 
 
@@ -118,7 +113,7 @@ def write_atomically(path: Path, text: str) -> None:
 
 def store(path: Path, outcome: Outcome) -> None:
     """Keep an outcome (floats with all digits)."""
-    write_atomically(path, json.dumps(dataclasses.asdict(outcome), default=_plain))
+    write_atomically(path, json.dumps(dataclasses.asdict(outcome), default=_as_json))
 
 
 def load(path: Path) -> Outcome | None:
@@ -129,25 +124,22 @@ def load(path: Path) -> Outcome | None:
         return None
 
 
-def execute(case: Case, path: Path | None = None) -> Outcome:
-    """Run a case and keep what became of it; an error of the case is an outcome, not raised."""
+def execute(case: Case) -> Outcome:
+    """Run a case; an error of the case is an outcome, not raised."""
     start = time.perf_counter()
     try:
-        rows = case.function()(**case.arguments)
+        rows = case.run(**case.arguments)
         outcome = Outcome(case.key, time.perf_counter() - start, rows)
         # Through text and back, so that fresh and resumed rows are the same objects.
-        outcome = Outcome(**json.loads(json.dumps(dataclasses.asdict(outcome), default=_plain)))
+        return Outcome(**json.loads(json.dumps(dataclasses.asdict(outcome), default=_as_json)))
     except Exception as error:
-        outcome = Outcome(
+        return Outcome(
             case.key,
             time.perf_counter() - start,
             failure=type(error).__name__,
             message=_without_paths(_describe(error)),
-            lost=isinstance(error, Diverged),
+            diverged=isinstance(error, Diverged),
         )
-    if path is not None:
-        store(path, outcome)
-    return outcome
 
 
 def _describe(error: Exception) -> str:
@@ -163,7 +155,7 @@ def _without_paths(text: str) -> str:
     return text.replace(f"{ROOT}{os.sep}", "").replace(str(Path.home()), "~")
 
 
-def _plain(value: Any) -> Any:
+def _as_json(value: Any) -> Any:
     """Numpy scalars and arrays as plain numbers and lists."""
     if hasattr(value, "tolist"):
         return value.tolist()

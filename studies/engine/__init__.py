@@ -1,0 +1,1 @@
+"""The engine of all studies: cases in workers, resuming, tables, claims, report, provenance."""

@@ -1,0 +1,190 @@
+"""Runs the cases of a study: in processes of this machine, or on any executor.
+
+Workers of this machine are started afresh (``spawn``) with one kernel thread each: independent
+cases side by side use a machine better than threads inside one.  The parent must run no kernel
+while workers are wanted, since the thread count is read when a process compiles its first one.
+"""
+
+from __future__ import annotations
+
+import multiprocessing
+import os
+import signal
+import threading
+import time
+from collections import deque
+from collections.abc import Callable, Generator, Iterator, Sequence
+from concurrent.futures import FIRST_COMPLETED, Executor, Future, ProcessPoolExecutor, wait
+from concurrent.futures.process import BrokenProcessPool
+from contextlib import contextmanager
+from dataclasses import dataclass
+from typing import Protocol
+
+from studies.engine.case import Case, Outcome, execute
+
+#: How often [s] a caller without news is told that time passes.
+TICK = 0.5
+Finished = Generator[tuple[Case, Outcome], None, None]
+
+
+class Workers(Protocol):
+    """Something that runs cases."""
+
+    def run(
+        self,
+        cases: Sequence[Case],
+        *,
+        started: Callable[[Case], None] = lambda case: None,
+        tick: Callable[[], None] = lambda: None,
+    ) -> Finished:
+        """Yield cases with their outcome as they finish; ``tick`` is called as time passes."""
+        ...
+
+
+def longest_first(cases: Sequence[Case]) -> list[Case]:
+    """Most expensive first, so that no long case starts when the others are done."""
+    return sorted(cases, key=lambda case: -case.cost)
+
+
+@dataclass(frozen=True)
+class OnExecutor:
+    """Any ``concurrent.futures`` executor; ``at_once`` cases are handed to it at a time.
+
+    What an executor raises in the place of a result (a worker was killed) is the failure of that
+    case alone, unless the executor itself is broken: then all that is left fails the same way.
+    """
+
+    executor: Executor
+    at_once: int
+
+    def run(
+        self,
+        cases: Sequence[Case],
+        *,
+        started: Callable[[Case], None] = lambda case: None,
+        tick: Callable[[], None] = lambda: None,
+    ) -> Finished:
+        """Yield cases with their outcome as they finish, begun in the given order."""
+        waiting = deque(cases)
+        running: dict[Future[Outcome], Case] = {}
+        try:
+            while waiting or running:
+                while waiting and len(running) < self.at_once:
+                    case = waiting.popleft()
+                    started(case)
+                    running[self.executor.submit(execute, case)] = case
+                done, _ = wait(running, timeout=TICK, return_when=FIRST_COMPLETED)
+                tick()
+                for future in done:
+                    case = running.pop(future)
+                    try:
+                        outcome = future.result()
+                    except Exception as error:
+                        outcome = died(case, f"{type(error).__name__}: {error}")
+                    yield case, outcome
+        finally:
+            for future in running:
+                future.cancel()
+
+
+@dataclass(frozen=True)
+class Processes:
+    """``jobs`` processes of this machine with ``threads`` kernel threads each.
+
+    A worker that dies (most often: killed for want of memory) fails its own case only.  The cases
+    that ran beside it are tried again, one at a time, to find out which it was.
+    """
+
+    jobs: int
+    threads: int = 1
+
+    def run(
+        self,
+        cases: Sequence[Case],
+        *,
+        started: Callable[[Case], None] = lambda case: None,
+        tick: Callable[[], None] = lambda: None,
+    ) -> Finished:
+        """Yield cases with their outcome as they finish, at most ``jobs`` at once."""
+        waiting = deque(cases)
+        suspects: deque[Case] = deque()
+        while waiting or suspects:
+            alone = bool(suspects)
+            queue = suspects if alone else waiting
+            broken: list[Case] = []
+            with _pool(1 if alone else self.jobs, self.threads) as pool:
+                running: dict[Future[Outcome], Case] = {}
+                while (queue or running) and not broken:
+                    while queue and len(running) < (1 if alone else self.jobs):
+                        case = queue.popleft()
+                        started(case)
+                        try:
+                            running[pool.submit(execute, case)] = case
+                        except BrokenProcessPool:
+                            broken.append(case)
+                            break
+                    done, _ = wait(running, timeout=TICK, return_when=FIRST_COMPLETED)
+                    tick()
+                    for future in done:
+                        case = running.pop(future)
+                        try:
+                            yield case, future.result()
+                        except BrokenProcessPool:
+                            broken.append(case)
+                broken += running.values()
+            if broken and alone:
+                yield broken[0], died(broken[0], "the process was killed")
+            else:
+                suspects.extend(broken)
+
+
+def died(case: Case, why: str) -> Outcome:
+    """The outcome of a case whose worker was killed."""
+    return Outcome(
+        case.key,
+        float("nan"),
+        failure="WorkerDied",
+        message=f"{why}, most likely for want of memory; run it with fewer --jobs or coarser",
+    )
+
+
+@contextmanager
+def _pool(jobs: int, threads: int) -> Iterator[ProcessPoolExecutor]:
+    """Workers with ``threads`` kernel threads; none is left behind, whatever happens."""
+    # Linear algebra too: several processes whose threads wait for each other by spinning took
+    # thirty times as long for the dense spectra.
+    counts = ("NUMBA_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
+    environment = dict.fromkeys(counts, str(threads)) | {"OMP_PROC_BIND": "false"}
+    before = {name: os.environ.get(name) for name in environment}
+    os.environ.update(environment)
+    others = set(multiprocessing.active_children())
+    pool = ProcessPoolExecutor(
+        jobs, mp_context=multiprocessing.get_context("spawn"), initializer=_prepare_worker
+    )
+    try:
+        yield pool
+        pool.shutdown()
+    except BaseException:
+        for worker in set(multiprocessing.active_children()) - others:
+            worker.terminate()
+        pool.shutdown(wait=True, cancel_futures=True)
+        raise
+    finally:
+        for name, value in before.items():
+            if value is None:
+                os.environ.pop(name, None)
+            else:
+                os.environ[name] = value
+
+
+def _prepare_worker() -> None:
+    """Leave Ctrl-C to the parent, and do not outlive it."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    threading.Thread(target=_follow_parent, daemon=True).start()
+
+
+def _follow_parent() -> None:
+    parent = multiprocessing.parent_process()
+    while parent is not None and parent.is_alive():
+        time.sleep(1.0)
+    os._exit(1)

@@ -1,0 +1,209 @@
+"""The words of a report: a Markdown template with holes, filled from the tables.
+
+``{{ order | number(".2f") }}`` is a number, ``{{ table(frame, "caption") }}`` a table and
+``{{ figure("name", "caption") }}`` a figure, each of the last two on a line of its own.  The first
+heading is the title and what stands before the second is the abstract.  What was found (the claims)
+follows it on the first page; what was run and what failed end the report.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+
+from sphsolid.errors import InputError, require
+from studies.engine.claims import Claim, claims_table
+from studies.engine.document import (
+    Block,
+    Bullets,
+    Document,
+    Figure,
+    Heading,
+    Paragraph,
+    Table,
+    format_cell,
+)
+from studies.engine.progress import duration
+from studies.engine.results import Results
+
+#: Around the number of a block in the filled text: no author writes it.
+_MARK = "\x02"
+
+
+def document(
+    template: Path,
+    results: Results,
+    *,
+    claims: Sequence[Claim],
+    words: Mapping[str, Any],
+    draw: Callable[[str], Path],
+) -> Document:
+    """Fill ``template`` from ``results``; ``words`` are further holes, ``draw`` saves a figure.
+
+    Raises ``InputError`` for a hole that nothing fills.
+    """
+    blocks: list[Block] = []
+    text = _filled(template, results, claims, words, draw, blocks)
+    title, abstract, body = _parts(template, list(_read(text, blocks)))
+    return Document(
+        title=title,
+        subtitle=subtitle(results.run),
+        abstract=abstract,
+        blocks=[*_found(claims), *body, *_run(results.run), *_failed(results.failures)],
+    )
+
+
+def subtitle(run: Mapping[str, Any]) -> str:
+    """Version, form and date in one line."""
+    commit = f", commit {run['commit'][:10]}" if run["commit"] else ""
+    return f"sphsolid {run['version']}{commit} · {run['mode']} study · {run['date_utc']} UTC"
+
+
+def _filled(
+    template: Path,
+    results: Results,
+    claims: Sequence[Claim],
+    words: Mapping[str, Any],
+    draw: Callable[[str], Path],
+    blocks: list[Block],
+) -> str:
+    try:
+        import jinja2
+    except ImportError as error:
+        raise InputError(
+            "reports are filled by jinja2, which is not installed: pip install 'sphsolid[report]'"
+        ) from error
+
+    def placed(block: Block) -> str:
+        blocks.append(block)
+        return f"{_MARK}{len(blocks) - 1}{_MARK}"
+
+    def table(
+        frame: pd.DataFrame,
+        caption: str,
+        columns: Sequence[str] | Mapping[str, str] = (),
+        formats: Mapping[str, str] | None = None,
+    ) -> str:
+        shown = frame[list(columns)] if columns else frame
+        headings = columns if isinstance(columns, Mapping) else {}
+        return placed(Table(caption, shown, formats or {}, headings))
+
+    def figure(name: str, caption: str, width: float = 1.0) -> str:
+        return placed(Figure(caption, draw(name), width))
+
+    environment = jinja2.Environment(
+        undefined=jinja2.StrictUndefined, finalize=format_cell, trim_blocks=True, lstrip_blocks=True
+    )
+    environment.filters["number"] = format_cell
+    environment.filters["percent"] = lambda value, digits=0: f"{value:.{digits}%}".replace(
+        "%", " %"
+    )
+    environment.filters["duration"] = duration
+    environment.filters["listed"] = lambda items: ", ".join(map(format_cell, items))
+    holes = {"tables": results.tables, "run": results.run, "claims": claims} | dict(words)
+    try:
+        made = environment.from_string(template.read_text(encoding="utf-8"))
+        return made.render(holes, table=table, figure=figure, isnan=math.isnan)
+    except jinja2.TemplateError as error:
+        line = getattr(error, "lineno", None)
+        where = template.name + (f", line {line}" if line else "")
+        raise InputError(f"{where}: {error}") from error
+
+
+def _read(text: str, blocks: Sequence[Block]) -> Iterator[Block]:
+    """Blocks of the filled Markdown, with ``blocks`` in the places of their marks."""
+    from markdown_it import MarkdownIt
+
+    tokens = MarkdownIt("commonmark").parse(text)
+    items: list[str] = []
+    for number, token in enumerate(tokens):
+        if token.type == "bullet_list_close":
+            yield Bullets(tuple(items))
+            items = []
+        if token.type != "inline":
+            continue
+        content = " ".join(token.content.split("\n"))
+        inside = tokens[number - 1]
+        if inside.type == "heading_open":
+            yield Heading(content, int(inside.tag[1:]))
+        elif tokens[number - 2].type == "list_item_open":
+            items.append(content)
+        elif _MARK in content:
+            yield from _placed(content, blocks)
+        elif content:
+            yield Paragraph(content)
+
+
+def _placed(content: str, blocks: Sequence[Block]) -> Iterator[Block]:
+    for number, part in enumerate(content.split(_MARK)):
+        if number % 2:
+            yield blocks[int(part)]
+        elif part.strip():
+            yield Paragraph(part.strip())
+
+
+def _parts(template: Path, found: list[Block]) -> tuple[str, str, list[Block]]:
+    """Title, abstract and the rest, whose headings go up by one level."""
+    require(
+        len(found) > 1 and isinstance(found[0], Heading) and found[0].level == 1,
+        f"{template.name} must begin with its title: # Title",
+    )
+    abstract = []
+    rest = found[1:]
+    while rest and isinstance(rest[0], Paragraph):
+        abstract.append(rest.pop(0).text)  # type: ignore[union-attr]
+    body: list[Block] = [
+        Heading(block.text, max(1, block.level - 1)) if isinstance(block, Heading) else block
+        for block in rest
+    ]
+    return found[0].text, " ".join(abstract), body  # type: ignore[union-attr]
+
+
+def _found(claims: Sequence[Claim]) -> list[Block]:
+    if not claims:
+        return []
+    frame = claims_table(claims)
+    used = [name for name in frame if name != "source" and (frame[name] != "").any()]
+    caption = (
+        "What was claimed or asked, what was measured, and the verdict; what does not hold first."
+    )
+    return [Heading("What was found"), Table(caption, frame[used])]
+
+
+def _run(run: Mapping[str, Any]) -> list[Block]:
+    commit = run["commit"] or "not known (no checkout)"
+    if run["sources_modified"]:
+        commit += ", with changes not committed"
+    facts = {
+        "command": run["command"],
+        "date (UTC)": run["date_utc"],
+        "wall time": duration(run["wall_s"]),
+        "cases": f"{run['cases']} ({run['cases_failed']} failed, {run['cases_resumed']} resumed)",
+        "version": run["version"],
+        "commit": commit,
+        "hash of the sources": run["source_hash"],
+        "Python": run["python"],
+        "packages": ", ".join(f"{name} {version}" for name, version in run["packages"].items()),
+        "processor": f"{run['cpu']}, {run['cores']} cores, {run['system']}",
+        "workers": f"{run['jobs']}, each with {run['threads_per_job']} kernel thread(s)",
+    }
+    frame = pd.DataFrame({"what": list(facts), "value": list(facts.values())})
+    return [Heading("What was run"), Table("How these results were made.", frame)]
+
+
+def _failed(failures: pd.DataFrame) -> list[Block]:
+    if len(failures) == 0:
+        return [Heading("What failed"), Paragraph("No case failed.")]
+    frame = failures[["key", "failure", "message"]]
+    return [
+        Heading("What failed"),
+        Paragraph(
+            f"{len(frame)} case(s) stopped before their end. They have no rows in the tables "
+            "above, and orders are not computed from families that lack a level."
+        ),
+        Table("Cases that stopped, and why.", frame),
+    ]

@@ -1,1 +1,0 @@
-"""What every study shares: the command line, workers, resuming, provenance."""

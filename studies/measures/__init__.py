@@ -1,0 +1,1 @@
+"""Numbers that studies take of a run: orders, noise, folding, extrapolated limits."""

@@ -1,0 +1,231 @@
+"""The registry of methods: each has one name, one colour and one way to build its solver.
+
+A study takes methods from here, or varies one with :meth:`Method.but`::
+
+    PACKAGE.but(tau_p=0.0)                                  # "package default, tau_p = 0"
+    PAPER.but(formulation=PFHJ(), tau_F=OfStep(0.5))        # "paper, {p,F,H,J}, tau_F = 0.5 dt"
+
+A new method is one entry in :data:`METHODS`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, fields, replace
+from typing import Any, Protocol
+
+import fem_reference as fem
+import sphsolid as sph
+from sphsolid.cloud.secondary import default_secondary
+from sphsolid.defaults import default_stabilisation
+from sphsolid.errors import InputError
+from sphsolid.record import Solver
+from sphsolid.scenes import Scene
+from sphsolid.scheme.intrinsic_time import IntrinsicTime, as_time
+from sphsolid.scheme.stabilisation import Stabilisation
+from studies.engine.plotting import BLACK, BLUE, ORANGE, PURPLE, SKY, VERMILION
+
+
+class Recipe(Protocol):
+    """How a solver is built from a scene; what it leaves out is the solver's own choice."""
+
+    def build(self, scene: Scene, spacing: float) -> Solver:
+        """A solver with particles or nodes ``spacing`` [m] apart."""
+        ...
+
+    def but(self, changes: Mapping[str, Any]) -> Recipe:
+        """The same with other options; raises ``InputError`` for one that there is not."""
+        ...
+
+
+@dataclass(frozen=True)
+class Times:
+    """An intrinsic time as a multiple of the package's choice: ``tau_F=Times(2)``."""
+
+    factor: float
+
+    def of(self, usual: IntrinsicTime) -> IntrinsicTime:
+        """The time itself."""
+        return replace(usual, c=self.factor * usual.c)
+
+
+@dataclass(frozen=True)
+class Particles:
+    """``sphsolid.Simulation`` with ``options``; ``supg`` are changes of the stabilisation.
+
+    Without a ``stabilisation`` among the options, the changes are of the one that the package
+    chooses for the formulation and the material.
+    """
+
+    options: tuple[tuple[str, Any], ...] = ()
+    supg: tuple[tuple[str, Any], ...] = ()
+
+    def build(self, scene: Scene, spacing: float) -> sph.Simulation:
+        """A simulation with particles ``spacing`` [m] apart."""
+        given = dict(self.options)
+        if self.supg:
+            given["stabilisation"] = self.stabilisation(scene, spacing)
+        return sph.Simulation(scene, spacing=spacing, **given)
+
+    def stabilisation(self, scene: Scene, spacing: float) -> Stabilisation:
+        """The stabilisation of a scene, with the changes made."""
+        given = dict(self.options)
+        usual = given.get("stabilisation")
+        if usual is None:
+            formulation = given.get("formulation", sph.recommend(scene).formulation)
+            secondary = default_secondary(scene.body.mesh(spacing))
+            usual = default_stabilisation(formulation, scene.material, secondary=secondary)
+        changes = {
+            name: value.of(as_time(getattr(usual, name))) if isinstance(value, Times) else value
+            for name, value in self.supg
+        }
+        return replace(usual, **changes) if changes else usual
+
+    def but(self, changes: Mapping[str, Any]) -> Particles:
+        """Other options; those of :class:`~sphsolid.SUPG` change the stabilisation."""
+        terms = {each.name for each in fields(sph.SUPG)}
+        supg = {name: value for name, value in changes.items() if name in terms}
+        options = {name: value for name, value in changes.items() if name not in terms}
+        if "stabilisation" in options:
+            # Another stabilisation is not changed by what was changed of the one before.
+            return Particles(_merged(self.options, options), _merged((), supg))
+        return Particles(_merged(self.options, options), _merged(self.supg, supg))
+
+
+@dataclass(frozen=True)
+class Elements:
+    """``fem_reference.Simulation`` with ``options``.
+
+    ``edge`` is the number of node spacings along an element, so that ``spacing`` is that of nodes.
+    """
+
+    options: tuple[tuple[str, Any], ...] = ()
+    edge: int = 1
+
+    def build(self, scene: Scene, spacing: float) -> fem.Simulation:
+        """A simulation with nodes ``spacing`` [m] apart."""
+        return fem.Simulation(scene, spacing=spacing, **dict(self.options))
+
+    def but(self, changes: Mapping[str, Any]) -> Elements:
+        """Other options of ``fem_reference.Simulation``."""
+        return replace(self, options=_merged(self.options, changes))
+
+
+def _merged(
+    before: tuple[tuple[str, Any], ...], changes: Mapping[str, Any]
+) -> tuple[tuple[str, Any], ...]:
+    return tuple((dict(before) | dict(changes)).items())
+
+
+@dataclass(frozen=True)
+class Method:
+    """A named way to solve a scene, and how it is drawn: the same in every study.
+
+    ``look`` are keywords of a line; ``label`` says in a few words what it is.
+    """
+
+    name: str
+    label: str
+    colour: str
+    marker: str
+    recipe: Recipe
+    line: str = "-"
+
+    def simulation(self, scene: Scene, *, spacing: float) -> Any:
+        """A solver of ``scene`` with particles or nodes ``spacing`` [m] apart."""
+        return self.recipe.build(scene, spacing)
+
+    @property
+    def look(self) -> dict[str, Any]:
+        """Keywords of a line in a figure."""
+        return {"color": self.colour, "marker": self.marker, "linestyle": self.line}
+
+    def but(
+        self,
+        *,
+        name: str = "",
+        label: str = "",
+        colour: str = "",
+        marker: str = "",
+        line: str = "",
+        **changes: Any,
+    ) -> Method:
+        """The same with other options; its name says which, unless ``name`` is given."""
+        made = name or ", ".join([self.name, *(_said(*change) for change in changes.items())])
+        return Method(
+            name=made,
+            label=label or made,
+            colour=colour or self.colour,
+            marker=marker or self.marker,
+            recipe=self.recipe.but(changes),
+            line=line or self.line,
+        )
+
+
+#: Options whose value says by its name what it is.
+_SPEAK_FOR_THEMSELVES = (
+    "formulation", "stabilisation", "secondary", "integrator", "operator", "element", "smoothing",
+    "angular_momentum", "weighting", "initial_strain",
+)  # fmt: skip
+
+
+def _said(option: str, value: Any) -> str:
+    """``{p,F,J}``, ``tau_p = 0``, ``tau_F = 0.5 h/c_p``, ``tau_F x 2``, ``CFL 0.5``."""
+    if isinstance(value, Times):
+        return f"{option} x {value.factor:g}"
+    if option == "cfl":
+        return f"CFL {value:g}" if isinstance(value, float) else f"CFL {value}"
+    if isinstance(value, IntrinsicTime):
+        return f"{option} = {said(value)}"
+    if option in _SPEAK_FOR_THEMSELVES:
+        return str(getattr(value, "name", None) or repr(value))
+    return f"{option} = {value:g}" if isinstance(value, float | int) else f"{option} = {value!r}"
+
+
+def said(time: IntrinsicTime | float) -> str:
+    """``0.5 h/c_p``, ``0.1 dt``, ``0``."""
+    known = as_time(time)
+    return f"{known.c:.3g} {known.unit}" if known.c else "0"
+
+
+#: What a user gets who chooses nothing.
+PACKAGE = Method("package default", "package default", VERMILION, "o", Particles())
+#: Integrator, step and weighting of the paper; each of its scenes has its own intrinsic times.
+PAPER = Method(
+    "paper",
+    "[Lee2017]: SUPG-SPH H1, TVD-RK2 at CFL 0.3",
+    BLUE,
+    "s",
+    Particles(
+        (
+            ("stabilisation", sph.SUPG(tau_F=sph.OfStep(1.0), xi_F=0.0, tau_p=sph.OfStep(0.0))),
+            ("integrator", sph.TVDRK2()),
+            ("cfl", 0.3),
+        )
+    ),
+)
+#: The package default without its stabilisation.
+UNSTABILISED = PACKAGE.but(
+    name="unstabilised", colour=PURPLE, marker="v", stabilisation=sph.NoStabilisation()
+)
+#: The classical method: F from the positions, no stabilisation.
+DISPLACEMENT = UNSTABILISED.but(
+    name="displacement SPH", colour=ORANGE, marker="X", formulation=sph.Displacement()
+)
+B_BAR = Method("B-bar FEM", "B-bar FEM", BLACK, "D", Elements(), line="-.")
+TAYLOR_HOOD = Method(
+    "Taylor-Hood FEM", "Taylor-Hood FEM", SKY, "P",
+    Elements((("element", fem.TaylorHoodHex()),), edge=2), line="-.",
+)  # fmt: skip
+
+METHODS: dict[str, Method] = {
+    method.name: method
+    for method in (PACKAGE, PAPER, UNSTABILISED, DISPLACEMENT, B_BAR, TAYLOR_HOOD)
+}
+
+
+def method(name: str) -> Method:
+    """The registered method of this name; raises ``InputError`` where there is none."""
+    if name not in METHODS:
+        raise InputError(f"no method {name!r}; there are {', '.join(METHODS)}")
+    return METHODS[name]

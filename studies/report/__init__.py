@@ -1,1 +1,0 @@
-"""From tables to figures and a PDF: plots, orders, indicators, documents."""
