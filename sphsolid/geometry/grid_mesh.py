@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sphsolid.errors import InputError, require
+from sphsolid.geometry.affordable import check_affordable
 from sphsolid.geometry.cell_shape import CORNERS
 from sphsolid.geometry.mesh import GridMesh
 
@@ -175,6 +176,8 @@ def block_mesh(
         f"aspect = {aspect} (edge of a cell along X, Y, Z over the spacing) must be positive",
     )
     breaks = block_breaks(blocks)
+    sides = [axis[-1] - axis[0] for axis in breaks]
+    check_affordable(sides, [spacing * factor for factor in aspect])
     x, y, z = (GridAxis.through(breaks[d], spacing * aspect[d]) for d in range(3))
     keep = covered(blocks, (x.planes, y.planes, z.planes))
     return grid_mesh((x, y, z), keep, jitter, seed)

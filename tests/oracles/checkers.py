@@ -18,7 +18,7 @@ from sphsolid.scheme.formulation import Formulation
 from sphsolid.scheme.intrinsic_time import Units
 from sphsolid.scheme.right_hand_side import State
 from studies.convergence.cases import period_errors_of
-from studies.report.order import last_order
+from studies.measures.order import last_order
 from tests.oracles.blocks import AFFINE, MOONEY, stress_of, stretched_block
 
 Array = NDArray[np.float64]

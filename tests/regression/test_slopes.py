@@ -16,7 +16,7 @@ from typing import Any
 import pytest
 
 from studies.convergence.cases import run_case
-from studies.report.order import fit_order, last_order
+from studies.measures.order import fit_order, last_order
 
 Case = dict[str, Any]
 SLOPES = tomllib.loads((Path(__file__).parent / "slopes.toml").read_text(encoding="utf-8"))

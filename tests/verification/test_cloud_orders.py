@@ -19,7 +19,7 @@ from studies.clouds.ledger_cases import ledger
 from studies.clouds.shape_cases import conservation
 from studies.clouds.tables import with_slopes
 from studies.convergence.cases import FORMULATIONS, period_errors_of
-from studies.report.order import last_order
+from studies.measures.order import last_order
 
 CLOUDS = ("jitter:0.4", "tet")
 

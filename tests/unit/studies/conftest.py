@@ -13,7 +13,7 @@ import pytest
 from studies.harness.cases import Case
 from studies.harness.front import Results, Study
 from studies.report.document import Document, Figure, Paragraph, Section, Table
-from studies.report.order import order_table
+from studies.measures.order import order_table
 from studies.report.plotting import Curve, convergence_panel, outside_legend, panels, save_figure
 from studies.report.standard_sections import subtitle, what_failed, what_was_run
 

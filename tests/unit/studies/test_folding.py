@@ -14,8 +14,8 @@ import sphsolid as sph
 from sphsolid.errors import FoldingWarning
 from sphsolid.scenes import twisting_column
 from studies.pictures.shots import take_shot
-from studies.report.folding import folding, has_folded, largest, sound
-from studies.report.indicators import twist_of_top
+from studies.measures.folding import folding, has_folded, largest, sound
+from studies.measures.indicators import twist_of_top
 
 RUNS = pd.DataFrame(
     {"survived": [True, True, True, False], "folded": [False, True, True, False],

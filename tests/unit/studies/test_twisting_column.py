@@ -18,8 +18,8 @@ from sphsolid.defaults import default_stabilisation
 from sphsolid.scenes import twisting_column as column_scene
 from studies.harness.results import Results, read_results
 from studies.report.document_pdf import write_pdf
-from studies.report.indicators import pressure_noise
-from studies.report.percentiles import weighted_percentile
+from studies.measures.indicators import pressure_noise
+from studies.measures.percentiles import weighted_percentile
 from studies.report.plotting import style
 from studies.twisting_column import cases, outside, study
 from studies.twisting_column.compare import centres, difference, kink, nodes
