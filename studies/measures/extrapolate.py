@@ -26,11 +26,12 @@ def extrapolate(h: ArrayLike, values: ArrayLike) -> Limit:
     """``T`` of ``T + a h^2 + b h^4`` through the three finest of ``values (n,)`` at ``h (n,)``.
 
     Two terms, because errors of coarse lattices change sign: one power of ``h`` cannot.
-    ``within`` is the largest of three changes: without the second term (``T + a h^2`` through the
-    two finest), without the finest level, so there must be four, and with the first power of ``h``
-    (``T + a h`` through the two finest), which is what the error of a first-order method asks for
-    where the differences of the levels do not fall as fast as ``h^2``.  Raises ``InputError`` for fewer
-    than :data:`LEVELS` different spacings, and for values that are not finite.
+    ``within`` is the largest of three changes.  One is without the second term (``T + a h^2``
+    through the two finest).  One is without the finest level, so there must be four.  One is with
+    the first power of ``h`` (``T + a h`` through the two finest), taken where the differences of
+    the levels do not fall as fast as those of ``h^1.5``: a method of first order.  Raises
+    ``InputError`` for fewer than :data:`LEVELS` different spacings, and for values that are not
+    finite.
     """
     spacing, found = np.asarray(h, dtype=float), np.asarray(values, dtype=float)
     require(
