@@ -36,10 +36,10 @@ class PointCloud:
     :class:`Surface`, or a file ``.stl .ply .obj .msh .vtu``; ``unit`` of the numbers in both (a
     ``Surface`` is in metres always).  The surface's names are the tags of the faces.
 
-    The surface's own vertices stand for the boundary, so points that lie within ``CLEARANCE`` (a
-    quarter) of the local edge of the surface, on either side, are left out: those of a cloud's
-    boundary layer do, and on a curved boundary not exactly on its triangles.  A point further
-    outside is an error.
+    The surface's own vertices stand for the boundary.  So points that lie within ``CLEARANCE`` (a
+    quarter) of the local edge of the surface, on either side, are left out.  Those of a cloud's
+    boundary layer do, and on a curved boundary they are not exactly on its triangles.  A point
+    further outside is an error.
     """
 
     points: ArrayLike | str | Path

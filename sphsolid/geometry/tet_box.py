@@ -2,8 +2,8 @@
 
 Points: corners, jittered edges, faces and the interior filled with blue noise, as many as a
 lattice of that spacing has.  The interior is relaxed towards an optimal Delaunay triangulation
-[Chen2004], where a vertex is the volume-weighted mean of the circumcentres around it, which has
-few slivers; what is left of them is shaken loose.
+[Chen2004], where a vertex is the volume-weighted mean of the circumcentres around it.  It has few
+slivers, and what is left of them is shaken loose.
 """
 
 from __future__ import annotations
