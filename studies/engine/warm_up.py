@@ -36,7 +36,7 @@ def warm_up(cases: Sequence[Case], *, threads: int, say: Callable[[str], None]) 
     start = time.perf_counter()
     failed = [
         outcome.key
-        for _, outcome in Processes(jobs=1, threads=threads).run(cases)
+        for _, outcome in Processes(1, threads).run(cases)
         if outcome.failed
     ]
     say(f"compiled in {duration(time.perf_counter() - start)}")
