@@ -27,11 +27,12 @@ from matplotlib.figure import Figure as Drawing
 
 from sphsolid.errors import InputError, require
 from sphsolid.paths import path_of
+from sphsolid.record.display import duration
 from studies.engine.case import Case, Outcome, Row, load, partial_path, store, write_atomically
 from studies.engine.claims import Claim, claims_table
 from studies.engine.plotting import save_figure, style
 from studies.engine.pool import Processes, Workers, longest_first
-from studies.engine.progress import Reporter, duration, reporter
+from studies.engine.progress import Reporter, reporter
 from studies.engine.provenance import cores, describe_run
 from studies.engine.results import Results, Tables, read_results, write_csv
 from studies.engine.scheduler import on_cluster

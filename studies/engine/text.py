@@ -17,6 +17,7 @@ from typing import Any
 import pandas as pd
 
 from sphsolid.errors import InputError, require
+from sphsolid.record.display import duration
 from studies.engine.claims import Claim, claims_table
 from studies.engine.document import (
     Block,
@@ -28,7 +29,6 @@ from studies.engine.document import (
     Table,
     format_cell,
 )
-from studies.engine.progress import duration
 from studies.engine.results import Results
 
 #: What a report can hold of Markdown.

@@ -15,9 +15,9 @@ from contextlib import suppress
 import numba
 
 from sphsolid.compiled import CACHE_DIR
+from sphsolid.record.display import duration
 from studies.engine.case import Case, case_hash
 from studies.engine.pool import Processes
-from studies.engine.progress import duration
 from studies.engine.provenance import cpu_model
 
 

@@ -350,7 +350,7 @@ def test_the_start_of_a_worker_is_not_taken_for_its_pace():
     estimate.finished(work[0], Outcome(work[0].key, 6.0))
     estimate.started(work[2])
     # All that is known is a bound: 11 units left at six seconds on two workers.
-    assert estimate.text() == "at most 33 s left"
+    assert estimate.text() == "at most 33.0 s left"
     estimate.finished(work[1], Outcome(work[1].key, 6.0))
     estimate.finished(work[2], Outcome(work[2].key, 1.0))
     assert estimate.seconds_left() == pytest.approx(4.5)
