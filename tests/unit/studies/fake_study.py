@@ -67,9 +67,10 @@ def dies():
 
 
 def sleeps(*, seconds):
+    row = {"method": "m", "component": "p_x", "h": seconds, "error": 1.0, "process": os.getpid()}
+    row |= {"threads": os.environ.get("NUMBA_NUM_THREADS"), "began": time.monotonic()}
     time.sleep(seconds)
-    threads = os.environ["NUMBA_NUM_THREADS"]
-    return [{"method": "m", "component": "p_x", "h": seconds, "error": 1.0, "threads": threads}]
+    return [row | {"ended": time.monotonic()}]
 
 
 def power(h, *, log="", cost=1.0, order=2.0):
