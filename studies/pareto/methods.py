@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+from typing import Any
 
 import sphsolid as sph
 from sphsolid.defaults import NEARLY_INCOMPRESSIBLE
@@ -14,7 +15,7 @@ PF, PFJ, PFHJ = MARKERS
 H6, NO_PROJECTION = sph.H6(), sph.NoProjection()
 
 
-def _of(base: Method, formulation: Formulation, line: str = "", **changes: object) -> Method:
+def _of(base: Method, formulation: Formulation, line: str = "", **changes: Any) -> Method:
     marker = MARKERS[formulation]
     return base.but(formulation=formulation, marker=marker, line=line, **changes)
 

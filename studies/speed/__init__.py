@@ -66,8 +66,9 @@ def options() -> list[Method]:
         own = PACKAGE.but(formulation=fields)
         printed = own.but(weighting=sph.AsPrinted())
         damped = [own.but(tau_p=sph.OfStep(0.1))] if fields in (PFJ, PFHJ) else []
-        off = {"angular_momentum": sph.NoProjection()}
-        listed += [bare, bare.but(**off), printed, own, own.but(**off), *damped]
+        off = sph.NoProjection()
+        listed += [bare, bare.but(angular_momentum=off), printed, own]
+        listed += [own.but(angular_momentum=off), *damped]
         listed.append(own.but(secondary=sph.H6()))
     return listed
 
@@ -138,7 +139,7 @@ def claims(tables: Tables) -> list[Claim]:
         if not math.isnan(measured):
             found.append(Claim(what, measured, comparison, asked, unit=unit, format=".4g"))
 
-    lattice = {"cloud": "lattice"}
+    lattice: dict[str, Any] = {"cloud": "lattice"}
     for cells in (32, 64):
         size = f"{cells + 1}^3"
         here = lattice | {"cells": cells}
