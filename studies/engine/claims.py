@@ -62,6 +62,24 @@ class Claim:
     format: str = ".3g"
     unit: str = ""
 
+    def __post_init__(self) -> None:
+        """Raise ``InputError`` where nothing could be compared."""
+        names, asked = set(self._parts()), self.asked
+        require(
+            isinstance(asked, tuple) == (self.comparison == "within"),
+            f"claim {self.what!r}: a pair of asked numbers goes with 'within' and with nothing "
+            f"else, got {asked} with {self.comparison!r}",
+        )
+        for what, given in (("asked", asked), ("sound", self.sound)):
+            require(
+                not isinstance(given, Mapping) or set(given) == names,
+                f"claim {self.what!r}: {what} must name what is measured ({', '.join(names)})",
+            )
+        require(
+            self.comparison == "reported" or isinstance(asked, tuple | Mapping) or asked == asked,
+            f"claim {self.what!r}: {self.comparison!r} needs the number that is asked for",
+        )
+
     @classmethod
     def counted(cls, what: str, hold: int, of: int, **more: object) -> Claim:
         """``hold`` of ``of`` runs do: all, some or none; nothing was examined where ``of`` is 0."""

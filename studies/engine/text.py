@@ -9,6 +9,7 @@ follows it on the first page; what was run and what failed end the report.
 from __future__ import annotations
 
 import math
+import traceback
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -16,6 +17,7 @@ from typing import Any
 import pandas as pd
 
 from sphsolid.errors import InputError, require
+from sphsolid.record.display import duration
 from studies.engine.claims import Claim, claims_table
 from studies.engine.document import (
     Block,
@@ -27,9 +29,10 @@ from studies.engine.document import (
     Table,
     format_cell,
 )
-from studies.engine.progress import duration
 from studies.engine.results import Results
 
+#: What a report can hold of Markdown.
+_HELD = ("heading", "paragraph", "bullet_list", "list_item")
 #: Around the number of a block in the filled text: no author writes it.
 _MARK = "\x02"
 
@@ -108,10 +111,14 @@ def _filled(
     try:
         made = environment.from_string(template.read_text(encoding="utf-8"))
         return made.render(holes, table=table, figure=figure, isnan=math.isnan)
-    except jinja2.TemplateError as error:
-        line = getattr(error, "lineno", None)
-        where = template.name + (f", line {line}" if line else "")
-        raise InputError(f"{where}: {error}") from error
+    except InputError:
+        raise
+    except Exception as error:
+        lines = [getattr(error, "lineno", None)]
+        frames = traceback.extract_tb(error.__traceback__)
+        lines += [frame.lineno for frame in frames if frame.filename == "<template>"]
+        where = template.name + "".join(f", line {line}" for line in lines[-1:] if line)
+        raise InputError(f"{where}: {type(error).__name__}: {error}") from error
 
 
 def _read(text: str, blocks: Sequence[Block]) -> Iterator[Block]:
@@ -121,6 +128,11 @@ def _read(text: str, blocks: Sequence[Block]) -> Iterator[Block]:
     tokens = MarkdownIt("commonmark").parse(text)
     items: list[str] = []
     for number, token in enumerate(tokens):
+        require(
+            token.type.rpartition("_")[0] in _HELD or token.type == "inline",
+            f"the text of a report holds headings, paragraphs and bullets, not {token.type} "
+            f"({token.content.strip()[:60]!r})",
+        )
         if token.type == "bullet_list_close":
             yield Bullets(tuple(items))
             items = []
@@ -189,7 +201,8 @@ def _run(run: Mapping[str, Any]) -> list[Block]:
         "Python": run["python"],
         "packages": ", ".join(f"{name} {version}" for name, version in run["packages"].items()),
         "processor": f"{run['cpu']}, {run['cores']} cores, {run['system']}",
-        "workers": f"{run['jobs']}, each with {run['threads_per_job']} kernel thread(s)",
+        "workers": f"{run['jobs']}{' of a Dask cluster' if run.get('cluster') else ''}, "
+        f"each with {run['threads_per_job']} kernel thread(s)",
     }
     frame = pd.DataFrame({"what": list(facts), "value": list(facts.values())})
     return [Heading("What was run"), Table("How these results were made.", frame)]
