@@ -13,9 +13,10 @@ from pathlib import Path
 import pandas as pd
 
 from sphsolid.errors import InputError, require
-from studies.convergence import PACKAGE, headline
+from studies.convergence import headline
 from studies.engine.case import write_atomically
 from studies.engine.sources import ROOT
+from studies.methods import PACKAGE
 
 BEGIN, END = "<!-- results: begin -->", "<!-- results: end -->"
 _FORMATS = [".2f"] * 2 + [".1e"] * 4
