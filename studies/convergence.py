@@ -105,6 +105,12 @@ SETTING = ["scene", "nu", "family", "method"]
 FAMILY = [*SETTING, "field", "component"]
 COLUMNS = [*FAMILY, "h", "particles", "steps", "error", "wall_s", *folding.COLUMNS]
 _FIELD = {"p": "momentum", "P": "stress"}
+SUMMARY = [*SETTING, "h_finest"]
+SUMMARY += [
+    name.format(field) for field in _FIELD
+    for name in ("slope_{}_last", "slope_{}_fitted", "error_{}_h16", "error_{}_finest")
+]  # fmt: skip
+SUMMARY += ["wall_s_finest", "folded"]
 #: Cells per side of every level, and of the last one where none is named.
 LEVELS = (4, 8, 16, 32, 64)
 FINEST, FINEST_QUICK = 32, 16
@@ -143,8 +149,8 @@ def _case(method: Method, cells: int, scene: str, family: str, nu: float = NU) -
     # Undeformed p-wave speed over s-wave speed: how many more steps a period takes.
     cost = cells**4 * (1.0 if nu == NU else 11.5) * (0.55 if family == "A=B=C" else 1.0)
     cost *= 1.6 if scene == "manufactured" else 1.0
-    slow = {PACKAGE.name: 0.3, CLASSICAL.name: 0.6, CLASSICAL_LITERAL.name: 0.6, B_BAR.name: 0.6}
-    cost *= 2.3 if "H6" in method.name else slow.get(method.name, 1.0)
+    usual = {PACKAGE.name: 0.3, CLASSICAL.name: 0.6, CLASSICAL_LITERAL.name: 0.6, B_BAR.name: 0.6}
+    cost *= 2.3 if "H6" in method.name else usual.get(method.name, 1.0)
     arguments = {
         "method": method, "scene": scene, "family": family, "poisson_ratio": nu, "cells": cells,
     }  # fmt: skip
@@ -203,9 +209,7 @@ def tables(rows: list[Row]) -> Tables:
 def summarise(table: pd.DataFrame, orders: pd.DataFrame) -> pd.DataFrame:
     """One row per method and scene: worst slope and worst error over the components."""
     rows = []
-    if len(table) == 0:
-        return pd.DataFrame(columns=SETTING)
-    for key, group in orders.groupby(SETTING, sort=False):
+    for key, group in orders.groupby(SETTING, sort=False) if len(table) else ():
         row: Row = dict(zip(SETTING, key, strict=True))
         runs = table[(table[SETTING] == pd.Series(row)).all(axis=1)]
         row["h_finest"] = runs["h"].min()
@@ -219,7 +223,7 @@ def summarise(table: pd.DataFrame, orders: pd.DataFrame) -> pd.DataFrame:
         row["wall_s_finest"] = runs[runs["h"] == row["h_finest"]]["wall_s"].max()
         row["folded"] = bool(folding.has_folded(runs).any())
         rows.append(row)
-    return pd.DataFrame(rows)
+    return pd.DataFrame(rows, columns=SUMMARY)
 
 
 def headline(summary: pd.DataFrame) -> pd.DataFrame:
@@ -336,20 +340,16 @@ def words(tables: Tables) -> Mapping[str, Any]:
     """Settings, the first table, errors by component and the slopes of every scene."""
     table, summary = tables["table"], tables["summary"]
     part = select(table, scene="linear", family="A+B+C=0", nu=NU)
-    levels = part["h"][part["h"] >= 1.0 / 16.0]
-    level = float(levels.min()) if len(levels) else float(part["h"].min())
-    shown = [*HEADLINE, *WITH_XI_F, *UNPROJECTED, LINEAR_KERNEL]
-    wide = _of(part[part["h"] == level], shown).assign(
-        name=lambda rows: rows["field"] + "_" + rows["component"]
-    )
+    level = part["h"][part["h"] >= 1.0 / 16.0].min()
+    part = _of(part[part["h"] == level], [*HEADLINE, *WITH_XI_F, *UNPROJECTED, LINEAR_KERNEL])
+    part = part.assign(name=part["field"] + "_" + part["component"])
     components = ["p_x", "p_z", "P_xx", "P_zz", "P_xy", "P_xz"]
     return {
         "headline": headline(summary),
-        "side": round(1.0 / float(select(summary, nu=NU)["h_finest"].min())) + 1,
-        "components": wide.pivot_table(
-            index="method", columns="name", values="error", sort=False
-        )[components].reset_index(),
-        "component_side": round(1.0 / level) + 1,
+        "side": f"{1.0 / select(summary, nu=NU)['h_finest'].min() + 1.0:.0f}",
+        "components": part.pivot_table("error", "method", "name", sort=False)
+        .reindex(columns=components).reset_index(),
+        "component_side": f"{1.0 / level + 1.0:.0f}",
         "settings": [
             (*key, runs) for key, runs in summary.groupby(["scene", "family", "nu"], sort=False)
         ],
