@@ -2,8 +2,9 @@
 
 ``{{ order | number(".2f") }}`` is a number, ``{{ table(frame, "caption") }}`` a table and
 ``{{ figure("name", "caption") }}`` a figure, each of the last two on a line of its own.  The first
-heading is the title and what stands before the second is the abstract.  What was found (the claims)
-follows it on the first page; what was run and what failed end the report.
+heading is the title and what stands before the second is the abstract, and tables or figures that
+belong to it.  What was found (the claims) follows on the first page; what was run and what failed
+end the report.
 """
 
 from __future__ import annotations
@@ -11,6 +12,7 @@ from __future__ import annotations
 import math
 import traceback
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from itertools import takewhile
 from pathlib import Path
 from typing import Any
 
@@ -51,12 +53,12 @@ def document(
     """
     blocks: list[Block] = []
     text = _filled(template, results, claims, words, draw, blocks)
-    title, abstract, body = _parts(template, list(_read(text, blocks)))
+    title, abstract, first, body = _parts(template, list(_read(text, blocks)))
     return Document(
         title=title,
         subtitle=subtitle(results.run),
         abstract=abstract,
-        blocks=[*_found(claims), *body, *_run(results.run), *_failed(results.failures)],
+        blocks=[*first, *_found(claims), *body, *_run(results.run), *_failed(results.failures)],
     )
 
 
@@ -158,21 +160,21 @@ def _placed(content: str, blocks: Sequence[Block]) -> Iterator[Block]:
             yield Paragraph(part.strip())
 
 
-def _parts(template: Path, found: list[Block]) -> tuple[str, str, list[Block]]:
-    """Title, abstract and the rest, whose headings go up by one level."""
+def _parts(template: Path, found: list[Block]) -> tuple[str, str, list[Block], list[Block]]:
+    """Title, abstract, what stands beside it, and the rest, whose headings go up by one level."""
     require(
         len(found) > 1 and isinstance(found[0], Heading) and found[0].level == 1,
         f"{template.name} must begin with its title: # Title",
     )
-    abstract = []
     rest = found[1:]
-    while rest and isinstance(rest[0], Paragraph):
-        abstract.append(rest.pop(0).text)  # type: ignore[union-attr]
+    abstract = [block.text for block in takewhile(lambda b: isinstance(b, Paragraph), rest)]  # type: ignore[union-attr]
+    rest = rest[len(abstract) :]
+    first = list(takewhile(lambda block: not isinstance(block, Heading), rest))
     body: list[Block] = [
         Heading(block.text, max(1, block.level - 1)) if isinstance(block, Heading) else block
-        for block in rest
+        for block in rest[len(first) :]
     ]
-    return found[0].text, " ".join(abstract), body  # type: ignore[union-attr]
+    return found[0].text, " ".join(abstract), first, body  # type: ignore[union-attr]
 
 
 def _found(claims: Sequence[Claim]) -> list[Block]:
