@@ -13,7 +13,7 @@ import fem_reference as fem
 import sphsolid as sph
 from sphsolid.errors import FoldingWarning
 from sphsolid.scenes import twisting_column
-from studies.pictures.shots import take_shot
+from studies.pictures.frame import take_shot
 from studies.report.folding import folding, has_folded, largest, sound
 from studies.report.indicators import twist_of_top
 
