@@ -195,8 +195,7 @@ def _asked(table: pd.DataFrame) -> Iterator[Claim]:
                 yield Claim(
                     f"{reading.name}, {name}: range of the top face at 15 ms as {what}", apart,
                     "<=", TOLERANCE, wanted=f"within {1e3 * TOLERANCE:g} mm",
-                    said=f"{1e3 * apart[best]:.1f} mm ({best}) to {1e3 * apart[worst]:.1f} mm "
-                    f"({worst})",
+                    said=f"{_mm(apart[best])} ({best}) to {_mm(apart[worst])} ({worst})",
                 )  # fmt: skip
     kept = [
         _value("energy_kept", one_run(table, INITIAL, H1, operator))
@@ -206,6 +205,10 @@ def _asked(table: pd.DataFrame) -> Iterator[Claim]:
         "energy kept by H1 with the operator as printed, over the consistent one (initial)",
         kept[0] / kept[1], format=".2f",
     )  # fmt: skip
+
+
+def _mm(distance: float) -> str:
+    return "folded" if math.isinf(distance) else f"{1e3 * distance:.1f} mm"
 
 
 def _apart(run: pd.DataFrame, reference: pd.DataFrame) -> float:

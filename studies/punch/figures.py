@@ -16,6 +16,7 @@ from studies.measures.tables import select
 from studies.methods import B_BAR, PACKAGE, Method
 from studies.pictures.colours import ColourRange
 from studies.pictures.frame import CELL, Absent
+from studies.pictures.panels import Layout
 from studies.pictures.picture import Panel, Picture, Plan
 from studies.pictures.view import flat_view
 from studies.punch.claims import INDEPENDENT, TOLERANCE
@@ -177,7 +178,8 @@ def _comparison(tables: Tables) -> Plan:
         [
             _panel(
                 tables, reading, method, COMPARED, level=level,
-                label=f"{method.name.split()[-1]} {lattices[level]}\n{reading.name}",
+                label=f"{B_BAR.name if method == B_BAR else method.name.split()[-1]}\n"
+                f"{lattices[level]}",
             )
             for reading in READINGS
         ]
@@ -191,7 +193,8 @@ def _sequence(reading: Reading, tables: Tables) -> Plan:
 
 def _picture(plan: Callable[[Tables], Plan], field: str) -> Picture:
     colours = ColourRange(field, -PRESSURE, PRESSURE, (True, True))
-    return Picture(plan, field, colours, flat_view(right="x", up="z"))
+    # Six pages of images: fine enough for the lines of the mesh, and not more.
+    return Picture(plan, field, colours, flat_view(right="x", up="z"), layout=Layout(dpi=100))
 
 
 #: Particles alone show what they have: a mean over cells would hide its fluctuations.
