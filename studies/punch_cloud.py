@@ -24,6 +24,7 @@ from sphsolid.geometry import Body, HexMesh, PointCloud, Surface
 from sphsolid.geometry.body import AS_MESHED, Spacing
 from sphsolid.geometry.integrals import vertex_volumes
 from sphsolid.record import Snapshot
+from sphsolid.record.recorders import Recorder
 from sphsolid.scenes import Scene, punch
 from sphsolid.scenes.punch import HEIGHT, block
 from studies.engine.plotting import BLACK, BLUE, GREEN, SKY, VERMILION, outside_legend, panels
@@ -98,9 +99,11 @@ def body_of(cloud: str, *, spacing: float, seed: int) -> tuple[Body, Spacing]:
     of its surface is taken; a filled one has a lattice of its own, disordered by another seed.
     """
     disordered = block(jitter=JITTER, seed=seed)
-    if cloud in (LATTICE, HEXAHEDRA, WIDEST):
-        known = {LATTICE: block(), HEXAHEDRA: Ungridded(disordered), WIDEST: disordered}
-        return known[cloud], spacing
+    meshed: dict[str, Body] = {
+        LATTICE: block(), HEXAHEDRA: Ungridded(disordered), WIDEST: disordered
+    }
+    if cloud in meshed:
+        return meshed[cloud], spacing
     mesh = disordered.mesh(spacing)
     surface = Surface.closed(vertices=mesh.vertices, faces=mesh.faces)
     inner = np.ones(len(mesh.vertices), dtype=bool)
@@ -172,7 +175,7 @@ def run_case(
     sim = method.simulation(punch(body=body), spacing=asked)  # type: ignore[arg-type]
     folder = ShotFolder(Path(shots))
     folder.clear(key)
-    record = [Noise(spacing), SaveShots(folder, key, key, times=(until,))]
+    record: list[Recorder] = [Noise(spacing), SaveShots(folder, key, key, times=(until,))]
     ran = run(sim, until=until, every=EVERY, record=record)
     if ran.diverged is not None:
         folder.save_diverged(key, key, ran.diverged)

@@ -26,12 +26,14 @@ _FORMAT = 3
 
 def write_frames(path: Path, frames: Sequence[tuple[str, Kept]]) -> Path:
     """Write frames with the keys of their runs; arrays that are equal are kept once."""
-    index, arrays, numbers = [], {}, {}
+    index: list[dict[str, Any]] = []
+    arrays: dict[str, Any] = {}
+    numbers: dict[tuple[str, tuple[int, ...], bytes], int] = {}
 
     def place(array: NDArray[Any]) -> int:
         number = numbers.setdefault((array.dtype.str, array.shape, array.tobytes()), len(numbers))
         arrays[f"array_{number}"] = array
-        return int(number)
+        return number
 
     for key, frame in frames:
         entry = {"key": key, "label": frame.label, "time": frame.time}
@@ -43,9 +45,8 @@ def write_frames(path: Path, frames: Sequence[tuple[str, Kept]]) -> Path:
             entry["values"] = {name: place(array) for name, array in frame.values.items()}
         index.append(entry)
     buffer = io.BytesIO()
-    np.savez_compressed(
-        buffer, format=np.int64(_FORMAT), index=np.str_(json.dumps(index)), **arrays
-    )
+    arrays |= {"format": np.int64(_FORMAT), "index": np.str_(json.dumps(index))}
+    np.savez_compressed(buffer, **arrays)
     write_atomically(path, buffer.getvalue())
     return path
 

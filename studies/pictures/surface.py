@@ -116,7 +116,7 @@ def seen_faces(shot: Shot, view: View, values: Array, *, pieces: int = 1) -> See
     normals /= np.maximum(np.linalg.norm(normals, axis=-1, keepdims=True), 1e-300)
     # Round-off must not decide about faces that are seen edge on.
     facing = normals[..., 2] > 1e-6
-    seen = finite.copy()
+    seen = np.zeros(len(shot.quads), dtype=bool)
     seen[finite] = facing.any(axis=(1, 2))
     return SeenFaces(
         corners=corners[facing],

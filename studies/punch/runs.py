@@ -15,6 +15,7 @@ import sphsolid as sph
 from sphsolid.cloud.operator import OperatorKind
 from sphsolid.geometry.mesh import Mesh
 from sphsolid.record import EnergyLedger, MomentumDrift, Reactions, Snapshot
+from sphsolid.record.recorders import Recorder
 from sphsolid.scenes import HeldVelocity, InitialVelocity, Scene, punch
 from sphsolid.scenes.punch import Press
 from studies.engine.case import Row
@@ -44,7 +45,7 @@ OTHERS = (
 )
 
 #: The paper's settings of this scene; H6 without and with ``tau_p`` are (c) and (d) of its Fig. 10.
-_TIMES = {"tau_F": sph.OfStep(0.5), "tau_p": sph.OfStep(0.1)}
+_TIMES: dict[str, Any] = {"tau_F": sph.OfStep(0.5), "tau_p": sph.OfStep(0.1)}
 H1 = PAPER.but(name="paper, {p,F,H,J} H1", formulation=sph.PFHJ(), xi_F=0.1, **_TIMES)
 H6 = PAPER.but(
     name="paper, {p,F,H,J} H6", line="--", formulation=sph.PFHJ(), secondary=sph.H6(), **_TIMES
@@ -142,7 +143,7 @@ def run_case(
     folder.clear(key)
     sim = simulation(reading, method, operator, cells, until)
     mesh = sim.snapshot().mesh
-    record = [
+    record: list[Recorder] = [
         State(), EnergyLedger(), MomentumDrift(), Reactions(), edge,
         SaveShots(folder, key, method.name, times=shot_times or (-1.0,)),
     ]  # fmt: skip
