@@ -14,6 +14,11 @@ from sphsolid.errors import Diverged
 from sphsolid.record.recorders import Recorder
 from studies.measures.folding import folding
 
+#: What :meth:`Ran.columns` gives.
+COLUMNS = (
+    "survived", "diverged_at", "where", "why", "folded", "folded_at", "steps", "wall_s", "cpu_s",
+)  # fmt: skip
+
 
 @dataclass(frozen=True)
 class Ran:
@@ -37,7 +42,7 @@ class Ran:
         return self.diverged is None
 
     def columns(self) -> dict[str, Any]:
-        """``survived, diverged_at [s], where, why, folded, folded_at, steps, wall_s, cpu_s``."""
+        """Columns :data:`COLUMNS`; times in s."""
         stop = self.diverged
         return {
             "survived": stop is None,
