@@ -50,8 +50,9 @@ class Study:
     into tables; ``table`` is the main one, and rows are in the order of the cases.
     ``claims(tables)`` judges them.  ``figures`` are functions of the results by name; those in
     ``shown`` are kept as PNG beside the tables, for README and docs.  ``text`` is the Markdown file
-    of the report, and ``words(tables)`` are further holes in it.  ``warm_up(options)`` lists tiny
-    cases that compile every kernel of the study; the cheapest case if left out.
+    of the report, and ``words(tables)`` are further holes in it.  ``keep(out, tables)`` is called
+    at the end of a run and keeps what figures need beside the tables.  ``warm_up(options)`` lists
+    tiny cases that compile every kernel of the study; the cheapest case if left out.
     """
 
     name: str
@@ -64,6 +65,7 @@ class Study:
     words: Callable[[Tables], Mapping[str, Any]] = lambda tables: {}
     summary: Callable[[Tables], str] | None = None
     arguments: Callable[[argparse.ArgumentParser], None] = lambda parser: None
+    keep: Callable[[Path, Tables], None] = lambda out, tables: None
     warm_up: Callable[[argparse.Namespace], Sequence[Case]] | None = None
     description: str = ""
 
@@ -227,6 +229,7 @@ def _write(
         resumed=resumed,
     ) | {"tables": list(tables)}
     write_atomically(options.out / "run.json", json.dumps(run, indent=2) + "\n")
+    study.keep(options.out, tables)
 
 
 def _report(study: Study, results: Results, claims: Sequence[Claim]) -> None:
