@@ -25,7 +25,7 @@ from sphsolid.scenes import Scene, l_shaped_block, spinning_cube
 from sphsolid.scenes.l_shaped_block import PUBLISHED_SPACING
 from sphsolid.scheme.formulation import Formulation
 from studies.conservation import claims as judged
-from studies.conservation.figures import FIGURES
+from studies.conservation.figures import FIGURES, PICTURES
 from studies.conservation.runs import (
     DISORDER,
     END,
@@ -41,6 +41,7 @@ from studies.conservation.runs import (
 from studies.engine.study import Case, Row, Study, Tables
 from studies.measures.tables import select
 from studies.methods import B_BAR, PACKAGE, PAPER, Method, said
+from studies.pictures.picture import keeping
 
 FORMULATIONS: tuple[Formulation, ...] = (sph.PF(), sph.PFJ(), sph.PFHJ())
 H1, H6, LITERAL, CONSISTENT = sph.H1(), sph.H6(), sph.Literal(), sph.Consistent()
@@ -255,6 +256,7 @@ STUDY = Study(
     tables=tables,
     claims=judged.claims,
     figures=FIGURES,
+    keep=keeping(PICTURES),
     words=words,
     text=Path(__file__).with_name("report.md"),
     warm_up=lambda options: [case_of(one, options.out) for one in tiny()],

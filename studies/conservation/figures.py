@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from functools import partial
 from typing import Any
 
@@ -25,12 +24,11 @@ from studies.engine.plotting import (
     outside_legend,
     panels,
 )
-from studies.engine.results import Results
+from studies.engine.results import Results, Tables
 from studies.measures.tables import select
 from studies.methods import B_BAR, PACKAGE, PAPER
-from studies.pictures.colours import limits
-from studies.pictures.panels import Layout, panel_figure
-from studies.pictures.shots import CELL, ShotFolder
+from studies.pictures.frame import Absent
+from studies.pictures.picture import Panel, Percentile, Picture, Plan
 from studies.pictures.view import Around, angled_view
 
 #: The paper's operator as printed is dashed, the consistent one is not.
@@ -39,7 +37,7 @@ LOOKS: dict[str, dict[str, Any]] = {
     PRINTED: PAPER.look | {"linestyle": "--", "markerfacecolor": "white"},
     CONSISTENT: PAPER.look,
     PACKAGE.name: PACKAGE.look,
-    B_BAR.name: B_BAR.look,
+    B_BAR.name: B_BAR.look | {"linestyle": "none", "markerfacecolor": "white"},
 }
 
 
@@ -137,10 +135,10 @@ def budget(results: Results) -> Figure:
 
 def cube(results: Results) -> Figure:
     """What the energy budget leaves over against the CFL number, and energies over ten turns."""
-    figure, axes = panels(1, 2, width=3.7, height=3.3)
+    figure, axes = panels(1, 2, width=3.7, height=4.4)
     _left_over(axes[0, 0], results.tables["cube"])
     _energies(axes[0, 1], results.tables["cube"], results.tables["cube_history"])
-    outside_legend(figure, axes.flat, columns=3)
+    outside_legend(figure, axes.flat, columns=2)
     return figure
 
 
@@ -169,7 +167,7 @@ def _left_over(ax: Axes, table: pd.DataFrame) -> None:
         for order in (2, 3):
             line = low * (at / at[0]) ** order
             ax.plot(at, line, ":", color="0.6", linewidth=0.8)
-            ax.annotate(f"slope {order}", (at[-1], line[-1]), color="0.4", size=7.5)
+            ax.annotate(f"slope {order}", (at[-1], line[-1]), color="0.4", size=7.5, va="top")
     ax.set(
         xscale="log", yscale="log", xlabel="CFL number [-]",
         ylabel="|residual + projection| / initial energy [-]", title="spinning cube, energy budget",
@@ -193,35 +191,35 @@ def _energies(ax: Axes, table: pd.DataFrame, history: pd.DataFrame) -> None:
     small = f"{usual}, h_over_dx = 0.77"
     run = select(history, method=small, cfl=0.3)
     look = PAPER.look | {"linewidth": 0.8, "markerfacecolor": "white", "markevery": 16}
-    ax.plot(run["turn"], run["total"], label=f"{small}, 1/4: total", **look)
+    ax.plot(run["turn"], run["total"], label=f"{small}: total", **look)
     ax.set(
         xlabel="turns at the initial speed [-]", ylabel="energy / initial energy [-]",
         title=f"energies, h = 1/{1.0 / spacing:.0f}, CFL 0.3 (B-bar 0.6)", ylim=(0.0, 1.45),
     )  # fmt: skip
 
 
-def _sequence(results: Results, number: int) -> Figure:
-    """The block over time, pressure as means over cells, on the coarser or the finer mesh."""
-    spacing = sorted(set(results.tables["history"]["spacing"]), reverse=True)[number]
-    folder = ShotFolder(results.out / "shots")
-    grid = [
-        [replace(folder.load(block_key(method, spacing), t), label=method) for t in SHOT_TIMES]
-        for method in LOOKS
-    ]
-    return panel_figure(
-        grid,
-        colours=limits(grid, field=CELL + "pressure", percentile=98.0),
+def _plan(tables: Tables, number: int) -> Plan:
+    """Rows of methods over time, on the coarser mesh or the finer one; nothing where not run."""
+    spacings = sorted(set(tables["history"]["spacing"]), reverse=True)
+    if number >= len(spacings):
+        return [[Absent("", 0.0)]]
+    return [[Panel(method, block_key(method, spacings[number]), t) for t in SHOT_TIMES]
+            for method in LOOKS]  # fmt: skip
+
+
+#: The block over time, pressure as means over cells.
+PICTURES = tuple(
+    Picture(
+        partial(_plan, number=number), colours=Percentile(98.0), window=Around(follow=True),
         view=angled_view(up="y", azimuth=-35.0, elevation=18.0),
-        window=Around(follow=True),
-        layout=Layout(width=7.2, height=8.5),
     )
-
-
+    for number in (0, 1)
+)  # fmt: skip
 FIGURES = {
     "momenta": momenta,
     "drift": drift,
     "budget": budget,
     "cube": cube,
-    "sequence_1": partial(_sequence, number=0),
-    "sequence_2": partial(_sequence, number=1),
+    "sequence_1": PICTURES[0].draw,
+    "sequence_2": PICTURES[1].draw,
 }

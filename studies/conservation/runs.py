@@ -157,7 +157,7 @@ def run_block(*, block: Block, shots: str) -> list[Row]:
     made = setting(sim)
     ran = run(sim, until=block.until, every=EVERY, record=record)
     if block.pictured and ran.diverged is not None:
-        folder.save_lost(block.key, block.method.label, ran.diverged)
+        folder.save_diverged(block.key, block.method.label, ran.diverged)
     measured = _measures(ran.history)
     named = {"of": "table"} | block.columns
     rows = [named | made | ended(ran, measured["left_over"]) | measured]
@@ -181,7 +181,7 @@ def _measures(history: pd.DataFrame) -> Row:
         "angular_step": end["angular_drift_step [kg m^2/s]"] / arm[-1],
         "angular_total": drifts(history, "angular")[when > 0.0].max(initial=0.0),
         "work": work,
-        "dissipated": -dissipated(history)[-1] / work,
+        "dissipated": 0.0 - dissipated(history)[-1] / work,
         "residual": end["energy_rest [J]"] / work,
         "left_over": left_over(history)[-1] / work,
         "J_min": history["J_min"].min(),
@@ -270,7 +270,7 @@ def run_cube(*, cube: Cube, keep_history: bool) -> list[Row]:
         "residual_end": residual[-1],
         "left_over": np.abs(missed).max(),
         "energy_kept": energy[-1] / energy[0],
-        "dissipated": -gone[-1],
+        "dissipated": 0.0 - gone[-1],
         "projection_work": end["work_projection [J]"] / energy[0],
     }
     how = ended(ran, missed[-1])

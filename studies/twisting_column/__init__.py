@@ -24,10 +24,11 @@ from sphsolid.scenes import twisting_column
 from studies.engine.study import Case, Row, Study, Tables
 from studies.measures.tables import select
 from studies.methods import Method, said
+from studies.pictures.picture import keeping
 from studies.twisting_column import claims as judged
 from studies.twisting_column import outside
 from studies.twisting_column.compare import CLAMP, SHARES, differences
-from studies.twisting_column.figures import FIGURES, INDEPENDENT_PRESSURE
+from studies.twisting_column.figures import FIGURES, INDEPENDENT_PRESSURE, PICTURES
 from studies.twisting_column.methods import (
     CLASSICAL,
     FEM,
@@ -196,6 +197,7 @@ STUDY = Study(
     tables=tables,
     claims=judged.claims,
     figures=FIGURES,
+    keep=keeping(list(PICTURES.values())),
     words=words,
     text=Path(__file__).with_name("report.md"),
     summary=quoted,

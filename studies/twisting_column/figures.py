@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -24,12 +23,11 @@ from studies.engine.plotting import (
     outside_legend,
     panels,
 )
-from studies.engine.results import Results
+from studies.engine.results import Results, Tables
 from studies.measures.tables import select
 from studies.methods import Method
-from studies.pictures.colours import limits
-from studies.pictures.panels import Layout, panel_figure
-from studies.pictures.shots import CELL, Frame, ShotFolder
+from studies.pictures.panels import Layout
+from studies.pictures.picture import Panel, Percentile, Picture, Plan
 from studies.twisting_column import outside
 from studies.twisting_column.claims import residual_by_step
 from studies.twisting_column.methods import (
@@ -55,8 +53,6 @@ INDEPENDENT_PRESSURE = (-2.05e6, 1.83e6)
 _MPA = 1.0e-6
 #: Where on the axis of ``h^2`` [m^2] the limits are, side by side about it.
 _LIMITS = -0.012
-#: A panel of a picture: its heading, and method, cells and time [s] of the run it shows.
-Panel = tuple[str, Method, int, float]
 
 
 def _line(ax: Axes, run: pd.DataFrame, column: str, label: str, look: dict[str, Any]) -> None:
@@ -275,37 +271,33 @@ def noise(results: Results) -> Figure:
     return figure
 
 
-def _picture(results: Results, asked: Sequence[Panel]) -> Figure:
-    """Surfaces side by side, pressure as means over cells, one colour bar; of what was run."""
-    folder, runs = ShotFolder(results.out / "shots"), usual(results.tables["table"])
+def _row(tables: Tables, asked: Sequence[tuple[str, Method, int, float]]) -> Plan:
+    """Panels side by side of what was run: a heading, and method, cells and time [s] of a run."""
+    runs = usual(tables["table"])
     known = set(zip(runs["method"], runs["cells"], strict=True))
-    row: list[Frame] = []
-    seen: list[Frame] = []
-    for heading, method, cells, time in asked:
-        if (method.name, cells) in known:
-            row.append(replace(folder.load(shot_key(method.name, cells), time), label=heading))
-            # Without damping pressures are beyond all others: they must not set the colours.
-            seen += [row[-1]] if method != CLASSICAL else []
-    colours = limits(seen, field=CELL + "pressure", percentile=98.0)
-    return panel_figure([row], colours=colours, layout=Layout(width=9.5, height=5.2))
+    # Without damping pressures are beyond all others: they must not set the colours.
+    return [[
+        Panel(heading, shot_key(method.name, cells), time, sets_colours=method != CLASSICAL)
+        for heading, method, cells, time in asked if (method.name, cells) in known
+    ]]  # fmt: skip
 
 
-def lattices(results: Results) -> Figure:
+def lattices(tables: Tables) -> Plan:
     """Fig. 14: the paper's lattices (the coarsest there are) with H6, then with H1, at 0.1 s."""
-    runs = usual(results.tables["table"])
+    runs = usual(tables["table"])
     numbers = sorted(set(select(runs, method=H1.name)["cells"]))[: len(PAPER_LATTICES)]
-    return _picture(results, [
+    return _row(tables, [
         (f"paper, {name}\n{lattice(cells)}", method, cells, END)
         for method, name in ((H6, "H6"), (H1, "H1")) for cells in numbers
     ])  # fmt: skip
 
 
-def methods(results: Results) -> Figure:
+def methods(tables: Tables) -> Plan:
     """Fig. 15: methods side by side at 0.1 s, the finest on the left and on the right."""
-    table = results.tables["table"]
+    table = tables["table"]
     cells, ultra = common_lattice(table), finest_of(table, H1.name)
     reference = finest_of(table, FEM.name)
-    asked: list[Panel] = [
+    asked = [
         (f"paper, H1\n{lattice(ultra)}", H1, ultra, END),
         (f"paper, H1\n{lattice(cells)}", H1, cells, END),
         (f"package\ndefault {lattice(cells)}", PLAIN, cells, END),
@@ -314,18 +306,21 @@ def methods(results: Results) -> Figure:
         (f"B-bar FEM\n{lattice(cells)}", FEM, cells, END),
         (f"B-bar FEM\n{lattice(reference)}", FEM, reference, END),
     ]
-    return _picture(results, list(dict.fromkeys(asked)))
+    return _row(tables, list(dict.fromkeys(asked)))
 
 
-def sequence(results: Results) -> Figure:
+def sequence(tables: Tables) -> Plan:
     """The motion over time on the finest lattice of the paper's H1."""
-    cells = finest_of(results.tables["table"], H1.name)
+    cells = finest_of(tables["table"], H1.name)
     times = (0.0, 0.02, 0.04, 0.06, 0.08, END)
-    return _picture(results, [(f"paper, H1, {lattice(cells)}", H1, cells, t) for t in times])
+    return _row(tables, [(f"paper, H1, {lattice(cells)}", H1, cells, t) for t in times])
 
 
-FIGURES = {
-    one.__name__: one
-    for one in (twist_by_lattice, histories, energy, accuracy, percentiles, profile, noise,
-                lattices, methods, sequence)
-}  # fmt: skip
+PICTURES = {
+    plan.__name__: Picture(plan, colours=Percentile(98.0), layout=Layout(width=9.5, height=5.2))
+    for plan in (lattices, methods, sequence)
+}
+CURVES = (twist_by_lattice, histories, energy, accuracy, percentiles, profile, noise)
+FIGURES = {curve.__name__: curve for curve in CURVES} | {
+    name: picture.draw for name, picture in PICTURES.items()
+}

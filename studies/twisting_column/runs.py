@@ -164,7 +164,7 @@ def run_column(*, column: Column, shots: str) -> list[Row]:
         record.append(SaveShots(folder, key, column.method.label, times=column.frames))
     ran = run(sim, until=column.until, every=EVERY, record=record)
     if column.frames and ran.diverged is not None:
-        folder.save_lost(key, column.method.label, ran.diverged)
+        folder.save_diverged(key, column.method.label, ran.diverged)
     history = ran.history
     history.insert(2, "twist [rad]", unwrapped(history.pop("angle [rad]").to_numpy()))
     end = sim.snapshot()
