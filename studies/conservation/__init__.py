@@ -18,7 +18,12 @@ import pandas as pd
 
 import sphsolid as sph
 from sphsolid.cloud.secondary import SecondaryPoints
-from sphsolid.defaults import default_cfl, default_integrator, poisson_ratio
+from sphsolid.defaults import (
+    default_cfl,
+    default_integrator,
+    default_stabilisation,
+    poisson_ratio,
+)
 from sphsolid.errors import require
 from sphsolid.recommendation import recommend
 from sphsolid.scenes import Scene, l_shaped_block, spinning_cube
@@ -195,7 +200,7 @@ def case_of(one: Block | Cube, out: Path) -> Case:
 
 def cases(options: argparse.Namespace) -> Sequence[Case]:
     """All runs, or a cross of them."""
-    runs = few() if options.quick else (*blocks(), *cubes())
+    runs: list[Block | Cube] = [*few()] if options.quick else [*blocks(), *cubes()]
     return [case_of(one, options.out) for one in runs]
 
 
@@ -215,7 +220,8 @@ def tables(rows: list[Row]) -> Tables:
 def words(tables: Tables) -> Mapping[str, Any]:
     """Constants of the scenes, and the parts of the tables that are printed."""
     table, cube = tables["table"], tables["cube"]
-    scene, chosen = l_shaped_block(), recommend(l_shaped_block()).stabilisation
+    scene = l_shaped_block()
+    chosen = default_stabilisation(recommend(scene).formulation, scene.material)
     # What the figures show: {p,F}, H6 of the paper's.
     in_package, elements = table["group"].eq("package"), table["method"].eq(B_BAR.name)
     particles = table["formulation"].eq("{p,F}") & (table["secondary"].eq("H6") | in_package)

@@ -159,7 +159,7 @@ def run_block(*, block: Block, shots: str) -> list[Row]:
     if block.pictured and ran.diverged is not None:
         folder.save_diverged(block.key, block.method.label, ran.diverged)
     measured = _measures(ran.history)
-    named = {"of": "table"} | block.columns
+    named: Row = {"of": "table"} | block.columns
     rows = [named | made | ended(ran, measured["left_over"]) | measured]
     if block.pictured or block.group in ("no projection", "long"):
         named = {"of": "history", "method": block.method.name, "spacing": block.spacing}
@@ -225,7 +225,7 @@ def _history(history: pd.DataFrame) -> list[Row]:
         "residual": history["energy_rest [J]"],
         "noise": history["pressure_noise"],
     }
-    return pd.DataFrame(named).to_dict("records")  # type: ignore[return-value]
+    return pd.DataFrame(named).to_dict("records")
 
 
 @dataclass(frozen=True)

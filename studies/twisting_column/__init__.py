@@ -18,6 +18,7 @@ import pandas as pd
 
 import sphsolid as sph
 from sphsolid.continuum import reference_p_wave_speed
+from sphsolid.defaults import default_stabilisation
 from sphsolid.errors import require
 from sphsolid.recommendation import recommend
 from sphsolid.scenes import twisting_column
@@ -153,15 +154,12 @@ def tables(rows: list[Row]) -> Tables:
     }
 
 
-def _wave_speed() -> float:
-    return float(reference_p_wave_speed(twisting_column(poisson_ratio=NU).material))
-
-
 def words(tables: Tables) -> Mapping[str, Any]:
     """Constants, thresholds, and the parts of the tables that are printed."""
     table = tables["table"]
     table = table.assign(lattice=[lattice(int(cells)) for cells in table["cells"]])
-    runs, chosen = usual(table), recommend(twisting_column()).stabilisation
+    scene, runs = twisting_column(poisson_ratio=NU), usual(table)
+    chosen = default_stabilisation(recommend(scene).formulation, scene.material)
     stepped = table[table["method"].isin(table[table["kept"].astype(bool)]["method"])]
     stepped = stepped[(stepped["nu"] == NU) & stepped["cells"].isin([3, 5])]
     pressures = {
@@ -187,7 +185,8 @@ def words(tables: Tables) -> Mapping[str, Any]:
             largest=1e-6 * runs["reaction_y_largest"], end=1e-6 * runs["reaction_y_end"],
             torque=1e-6 * runs["torque_largest"],
         ),
-        "planes": 6 * PAPER_LATTICES[-1] + 1, "crossing": 1.0e3 / _wave_speed(),
+        "planes": 6 * PAPER_LATTICES[-1] + 1,
+        "crossing": 1.0e3 / reference_p_wave_speed(scene.material),
     }  # fmt: skip
 
 

@@ -301,7 +301,7 @@ def layers(snapshot: Snapshot, cells: int) -> list[Row]:
     made = grouped["pressure"].agg(["mean", "min", "max"])
     made.columns = [f"pressure_{name} [Pa]" for name in made.columns]
     made.insert(0, "Y [m]", grouped["Y [m]"].first())
-    return made.to_dict("records")  # type: ignore[return-value]
+    return made.to_dict("records")
 
 
 def cost_of_a_step(
