@@ -9,6 +9,7 @@ import numpy as np
 import pandas as pd
 
 from studies.engine.claims import Claim, Source
+from studies.engine.document import format_cell
 from studies.engine.results import Tables
 from studies.measures.folding import sound
 from studies.measures.order import fit_order
@@ -182,8 +183,9 @@ def _every(
     worst = values.fillna(math.inf).idxmax()
     good = sound(runs) if healthy else values.notna()
     yield Claim(
-        what, dict(enumerate(values)), "<=", most, source, _name(runs.loc[worst]),  # type: ignore[arg-type]
-        sound=dict(enumerate(good)), said=f"{values[worst]:.1e}", wanted=f"at most {most:.0e}",  # type: ignore[arg-type]
+        what, {str(k): v for k, v in enumerate(values)}, "<=", most, source,
+        _name(runs.loc[worst]), sound={str(k): bool(v) for k, v in enumerate(good)},
+        said=format_cell(values[worst], ".1e"), wanted=f"at most {most:.0e}",
     )  # fmt: skip
 
 
