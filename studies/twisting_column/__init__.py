@@ -164,10 +164,9 @@ def words(tables: Tables) -> Mapping[str, Any]:
     stepped = stepped[(stepped["nu"] == NU) & stepped["cells"].isin([3, 5])]
     pressures = {
         f"{name} {share} %": 1e-6 * runs[f"pressure_{kind}{share}"]
-        for name, kind in (("points", ""), ("vertices", "vertices_"), ("cells", "cells_"),
-                           ("free", "free_"), ("mean", "mean_"))
+        for name, kind in (("points", ""), ("free", "free_"), ("mean", "mean_"))
         for share in (1, 99)
-    }  # fmt: skip
+    }
     default = select(table, method=PLAIN.name, cells=5)
     return {
         "runs": runs, "judged": judged, "outside": outside, "lattice": lattice, "chosen": chosen,

@@ -111,14 +111,14 @@ def histories(results: Results) -> Figure:
     lattices = sorted(set(select(history, method=H1.name)["cells"]))
     for (column, name), (left, right) in zip(
         (("twist [rad]", "twist of the top [rad]"),
-         ("off", "twist less that of finest B-bar [rad]"),
-         ("height [m]", "height of the top's centre [m]")), axes, strict=True,
+         ("off", "twist less finest B-bar [rad]"),
+         ("height [m]", "height of the top [m]")), axes, strict=True,
     ):  # fmt: skip
         for number, n in enumerate(lattices):
             run = select(history, method=H1.name, cells=n)
             # From light to dark as the lattice gets finer.
             look = {"color": H1.colour, "alpha": (number + 1.0) / len(lattices)}
-            _line(left, run, column, f"{H1.name}, {lattice(int(n))}", look)
+            _line(left, run, column, f"paper's H1 by lattice: {lattice(int(n))}", look)
         for method in SHOWN:
             run = select(history, method=method.name, cells=cells)
             if len(run):

@@ -18,12 +18,14 @@ H1 = PAPER.but(
     tau_p=sph.OfStep(_TAU_P),
 )  # fmt: skip
 H6 = H1.but(
-    name="paper, {p,F,H,J}, H6", line="--", secondary=sph.H6(), xi_F=0.0,
+    name="paper, {p,F,H,J}, H6", line="--", marker="^", secondary=sph.H6(), xi_F=0.0,
 )  # fmt: skip
 PLAIN, FEM = PACKAGE, B_BAR
-NO_TAU_P = PLAIN.but(tau_p=0.0, line=":")
-LITERAL, LITERAL_H6 = (one.but(operator=sph.Literal(), line=":") for one in (H1, H6))
-FORCE = H1.but(operator=sph.Consistent(use="force"), line="-.")
+NO_TAU_P = PLAIN.but(tau_p=0.0, line=":", marker="v")
+LITERAL, LITERAL_H6 = (
+    one.but(operator=sph.Literal(), line=":", marker="x") for one in (H1, H6)
+)
+FORCE = H1.but(operator=sph.Consistent(use="force"), line="-.", marker="+")
 #: In the paper's integrator and step, as all classical methods of the paper.
 CLASSICAL = DISPLACEMENT.but(
     name="displacement SPH, TVD-RK2", integrator=sph.TVDRK2(), cfl=0.3
