@@ -179,7 +179,7 @@ def _said(option: str, value: Any) -> str:
     if isinstance(value, IntrinsicTime):
         return f"{option} = {said(value)}"
     if option in _SPEAK_FOR_THEMSELVES:
-        return str(getattr(value, "name", None) or repr(value))
+        return str(getattr(value, "name", None) or repr(value)).removesuffix("()")
     return f"{option} = {value:g}" if isinstance(value, float | int) else f"{option} = {value!r}"
 
 

@@ -86,6 +86,12 @@ class Claim:
         names = {str(number): float(number < hold) for number in range(of)}
         return cls(what, names, ">=", 1.0, **({"said": f"{hold} of {of}"} | more))  # type: ignore[arg-type]
 
+    @classmethod
+    def graded(cls, what: str, *, whole: bool, part: bool, **more: object) -> Claim:
+        """All of it or a ``part``, by a rule of several numbers, which ``said`` gives."""
+        grade = 2.0 if whole else float(part)
+        return cls(what, grade, ">=", 2.0, in_part=1.0, **more)  # type: ignore[arg-type]
+
     def holds(self) -> dict[str, bool]:
         """Which parts of the claim hold, by name."""
         return {name: self._compare(name, value) for name, value in self._parts().items()}

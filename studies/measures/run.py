@@ -15,6 +15,11 @@ from sphsolid.record.history import History
 from sphsolid.record.recorders import Recorder
 from studies.measures.folding import folding
 
+#: What :meth:`Ran.columns` gives.
+COLUMNS = (
+    "survived", "diverged_at", "where", "why", "folded", "folded_at", "steps", "wall_s", "cpu_s",
+)  # fmt: skip
+
 
 @dataclass(frozen=True)
 class Ran:
@@ -38,7 +43,7 @@ class Ran:
         return self.diverged is None
 
     def columns(self) -> dict[str, Any]:
-        """``survived, diverged_at [s], where, why, folded, folded_at, steps, wall_s, cpu_s``."""
+        """Columns :data:`COLUMNS`; times in s."""
         stop = self.diverged
         return {
             "survived": stop is None,
