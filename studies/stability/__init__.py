@@ -20,6 +20,7 @@ from studies.methods import B_BAR, PACKAGE, UNSTABILISED
 from studies.stability import waves
 from studies.stability.hard_cases import (
     CASES,
+    LONG,
     LONG_COLUMN,
     LONG_METHODS,
     METHODS,
@@ -35,7 +36,7 @@ from studies.stability.hard_cases import (
     hard_table,
     tiny_cases,
 )
-from studies.stability.hard_problems import SEED_LEFT
+from studies.stability.hard_problems import SEED_LEFT, Column
 from studies.stability.judgement import (
     ABSENT,
     CRITERIA,
@@ -54,7 +55,7 @@ from studies.stability.spectrum_cases import (
     spectrum_tables,
     tiny_spectra,
 )
-from studies.stability.spectrum_growth import LIMITS
+from studies.stability.spectrum_growth import LIMITS, NEUTRAL
 
 #: Without the term of J, the pressure noise must be this many times as large to show its use.
 NOISE_RATIO = 1.5
@@ -296,7 +297,16 @@ def words(tables: Tables) -> Mapping[str, Any]:
     bad = table[~table["verdict"].isin([SOUND, ABSENT])]
     scanned = scans(spectrum)
     growing = spectrum[(spectrum["scan"] != "larger") & (spectrum["mode"] != "none")]
+    columns = [case.problem for case in CASES if isinstance(case.problem, Column)]
     return {
+        "published": Column(),
+        "paper": PAPER_COLUMN.label,
+        "fastest": f"{max(column.angular_velocity for column in columns):g}",
+        "stiffest": f"{max(column.poisson_ratio for column in columns):g}",
+        "softest": min(column.poisson_ratio for column in columns),
+        "long_time": LONG,
+        "sound_unseen": select(table, verdict=SOUND)["unseen_rms"].max(),
+        "neutral": NEUTRAL,
         "criteria": CRITERIA,
         "thresholds": {name: limit - 1.0 for name, limit in LIMITS.items()},
         "default": PACKAGE.name,

@@ -108,7 +108,7 @@ def followed(solver: Any, *recorders: Recorder) -> tuple[Ran, dict[str, Array], 
     """
     give_up_on_collapse(solver)
     until = solver.scene.end_time
-    record = [EnergyLedger(), HEALTH, Positions(), *recorders]
+    record: list[Recorder] = [EnergyLedger(), HEALTH, Positions(), *recorders]
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", FoldingWarning)
         ran = run(solver, until=until, every=until / RECORDS, record=record)

@@ -167,7 +167,7 @@ class Linearisation:
     def rates(self, cfl: float) -> Rates:
         """Where the CFL rule allows steps of ``cfl``."""
         A, B, coarse = self._rates
-        return Rates(*(interpolated(each, self.nodes, cfl) for each in (A, B)), coarse)
+        return Rates(interpolated(A, self.nodes, cfl), interpolated(B, self.nodes, cfl), coarse)
 
     def generator(self, cfl: float) -> Array:
         """The semi-discrete system ``(size, size)`` with ``x = w``, in units of ``T``."""

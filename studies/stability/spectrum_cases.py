@@ -14,7 +14,6 @@ from matplotlib import colormaps
 from matplotlib.axes import Axes
 from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
 import sphsolid as sph
 from sphsolid.continuum import law
@@ -130,7 +129,9 @@ def spectrum(
         return largest_modulus(waves.eigenvalues(cfl))
 
     def fastest(cfl: float) -> Row:
-        return _fastest_wave(waves, cfl) if inside else _fastest_mode(linear, cfl)
+        return _fastest_wave(waves, cfl) if isinstance(waves, PlaneWaves) else _fastest_mode(
+            linear, cfl
+        )
 
     labels = {
         "part": "spectrum", "scan": scan_of, "variant": variant, "base": base, "body": block.body,
@@ -170,7 +171,8 @@ def _fastest_mode(linear: Linearisation, cfl: float) -> Row:
 
 def _fastest_wave(waves: PlaneWaves, cfl: float) -> Row:
     g = waves.eigenvalues(cfl)
-    size = np.where(np.abs(g - 1.0) < NEUTRAL, 0.0, np.abs(g))
+    # Rounded, so that of waves that are equal by symmetry the first is named.
+    size = np.round(np.where(np.abs(g - 1.0) < NEUTRAL, 0.0, np.abs(g)), 9)
     wave, mode = np.unravel_index(int(np.argmax(size)), size.shape)
     k = waves.k[wave]
     where = f"k dx / pi = ({', '.join(f'{part:.2g}' for part in np.abs(k) / np.pi)})"
@@ -327,7 +329,9 @@ def _map(ax: Axes, part: pd.DataFrame) -> Any:
     excess = np.log10(np.maximum(value.to_numpy(float) - 1.0, 0.0) + FLOOR)
     places, cfl = np.arange(len(value.index)), value.columns.to_numpy(float)
     colours = ListedColormap(colormaps["viridis"](np.linspace(0.05, 1.0, 16)))
-    image = ax.pcolormesh(_edges(cfl), _edges(places), excess, cmap=colours, vmin=-8.0, vmax=0.0)
+    image = ax.pcolormesh(
+        cfl, places, excess, cmap=colours, vmin=-8.0, vmax=0.0, shading="nearest"
+    )
     if min(excess.shape) > 1:
         levels = [np.log10(LIMITS[name] - 1.0) for name in ("slow", "fast")]
         ax.contour(cfl, places, excess, levels, colors="black", linewidths=[0.8, 1.6],
@@ -335,13 +339,6 @@ def _map(ax: Axes, part: pd.DataFrame) -> Any:
     ax.set_yticks(places, [f"{h:g}" for h in value.index])
     ax.grid(False)
     return image
-
-
-def _edges(middles: NDArray[Any]) -> NDArray[np.float64]:
-    """Ends of cells around ``middles``."""
-    half = 0.5 * np.diff(middles) if len(middles) > 1 else np.array([0.5])
-    ends = [middles[0] - half[0]], middles[-1] + half[-1:]
-    return np.concatenate([ends[0], middles[:-1] + half[: len(middles) - 1], ends[1]])
 
 
 def scans(limits: pd.DataFrame) -> pd.DataFrame:
