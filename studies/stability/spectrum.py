@@ -36,12 +36,15 @@ STEP = 1.0e-3
 STENCIL = ((-2.0, 1.0 / 12.0), (-1.0, -8.0 / 12.0), (1.0, 8.0 / 12.0), (2.0, -1.0 / 12.0))
 
 
-def times_at(simulation: Simulation, step: float) -> Times:
-    """Intrinsic times [s] where the CFL rule allows ``step`` [s]; at zero nothing has a time."""
+def take_times_at(simulation: Simulation, step: float) -> None:
+    """Give the right-hand side its intrinsic times [s] where the CFL rule allows ``step`` [s]; at
+    zero nothing has a time.
+    """
     supg = simulation.stabilisation
-    if not isinstance(supg, SUPG) or step == 0.0:
-        return Times(0.0, 0.0, 0.0, 0.0)
-    return supg.seconds(Units(simulation._time_step.crossing, step))
+    times = Times(0.0, 0.0, 0.0, 0.0)
+    if isinstance(supg, SUPG) and step > 0.0:
+        times = supg.seconds(Units(simulation._time_step.crossing, step))
+    simulation._rhs.times = times
 
 
 class Linearisation:
@@ -134,7 +137,7 @@ class Linearisation:
             state.J += contract(split(base.H) if f.evolves_H else cofactor(F), change)
         state.F += base.F
         x = base.x + (step * self.length) * z
-        rhs.times = times_at(self.simulation, cfl * self.unit_time)
+        take_times_at(self.simulation, cfl * self.unit_time)
         rates = rhs.evaluate(state, x, 0.0)
         pdot = rates.p.reshape(-1)[self.free] * (self.unit_time / (density * speed))
         parts = [step * v.reshape(-1)[self.free], pdot]

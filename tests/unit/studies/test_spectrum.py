@@ -15,7 +15,7 @@ from sphsolid.scenes import Box, Scene, Traction
 from studies.engine.case import execute
 from studies.engine.results import Results
 from studies.methods import PACKAGE, PAPER
-from studies.stability.spectrum import Linearisation, PlaneWaves, brillouin_zone, times_at
+from studies.stability.spectrum import Linearisation, PlaneWaves, brillouin_zone, take_times_at
 from studies.stability.spectrum_cases import (
     BODIES,
     INTERIOR,
@@ -120,7 +120,7 @@ def agrees(linear, found, y, cfl, tolerance=2e-7):
 def one_step(linear, y, cfl, size=1.0e-5):
     """The derivative of the real stepper along ``y``."""
     step = cfl * linear.unit_time
-    linear.rhs.times = times_at(linear.simulation, step)
+    take_times_at(linear.simulation, step)
     ends = []
     for sign in (1.0, -1.0):
         disturb(linear, sign * size * y)
