@@ -1,30 +1,64 @@
-"""The hard cases: what each is, and with which methods."""
+"""The hard cases: which methods are put to which problems.
+
+A method is one entry in :data:`METHODS`, a problem is one in :data:`CASES`.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from dataclasses import dataclass, field
-from typing import Any
+from collections.abc import Iterator
+from dataclasses import dataclass
 
 import pandas as pd
 
-from studies.harness.cases import Case, Row
-from studies.stability.hard_case_judgement import judged
-from studies.stability.hard_case_methods import FEM, FEW, METHODS, REFERENCE, VARIANTS, Method
+import sphsolid as sph
+from studies.engine.case import Case, Row
+from studies.engine.plotting import GREEN, SKY
+from studies.methods import B_BAR, DISPLACEMENT, PACKAGE, PAPER, UNSTABILISED, Method, Times
+from studies.stability.hard_problems import Checkerboard, Column, Problem, Pulled, Punch, Seed
+
+#: The paper's settings of its column with H1.
+PAPER_COLUMN = PAPER.but(
+    name="paper", label="paper: {p,F,H,J}, H1, tau_F = dt, xi_F = 0.2, tau_p = 0.1 dt",
+    formulation=sph.PFHJ(), xi_F=0.2, tau_p=sph.OfStep(0.1),
+)  # fmt: skip
+WITHOUT_J = PACKAGE.but(formulation=sph.PF(), marker="^")
+RK3 = PACKAGE.but(integrator=sph.SSPRK3(), colour=GREEN, marker="<")
+#: The package's choice before the self-adjoint weighting.
+PRINTED = RK3.but(
+    name="package default, SSP-RK3, printed", colour=SKY, marker=">",
+    weighting=sph.AsPrinted(), tau_F=sph.OfStep(0.5), tau_p=sph.OfStep(0.1),
+)  # fmt: skip
+#: Every method that is put to the short cases.
+METHODS = (
+    PACKAGE, WITHOUT_J, RK3, PRINTED, PAPER_COLUMN, UNSTABILISED, DISPLACEMENT, B_BAR,
+)  # fmt: skip
+#: Evidence for choices of the package: not put to the long columns and the waves.
+_SHORT_ONLY = (WITHOUT_J, RK3, PRINTED, DISPLACEMENT)
+LONG_METHODS = tuple(method for method in METHODS if method not in _SHORT_ONLY)
+STABILISED = tuple(m.name for m in METHODS if m not in (UNSTABILISED, DISPLACEMENT, B_BAR))
+#: One change of the package default each: the evidence for what it is.
+VARIANTS = (
+    PACKAGE.but(cfl=0.5), PACKAGE.but(cfl=0.8), PACKAGE.but(tau_F=Times(0.5)),
+    PACKAGE.but(tau_F=Times(2.0)), PACKAGE.but(tau_F=Times(4.0)), PACKAGE.but(tau_p=0.0),
+)  # fmt: skip
+OTHER_STEPS, WITHOUT_TAU_P = tuple(each.name for each in VARIANTS[:2]), VARIANTS[-1].name
+#: What the answers of the columns and the punch are compared with.
+REFERENCE = B_BAR.but(name="B-bar FEM, half spacing")
+_QUICK = (PACKAGE, WITHOUT_J, PRINTED, B_BAR, VARIANTS[1])
 
 
 @dataclass(frozen=True)
 class HardCase:
-    """One problem on one lattice; ``reference`` names the case whose reference run it shares.
+    """One problem on one lattice of ``cells`` a metre.
 
-    If it is its own and ``fine``, it is run by ``REFERENCE`` too.  ``cost`` in seconds of {p,F,J}
-    H1 with TVD-RK2 at CFL 0.3; ``short`` the coarse form of ``--quick``; ``methods`` who runs it.
+    ``reference`` names the case whose run with elements says what the answer should be; if it is
+    its own and ``fine``, elements of half the spacing run it too.  ``cost`` in seconds,
+    roughly; ``short`` the cells of ``--quick``; ``methods`` who runs it.
     """
 
     name: str
-    kind: str
+    problem: Problem
     cells: int
-    arguments: dict[str, Any] = field(default_factory=dict)
     cost: float = 1.0
     reference: str = ""
     short: int = 0
@@ -32,139 +66,98 @@ class HardCase:
     methods: tuple[Method, ...] = METHODS
 
 
+LONG_COLUMN = "long column"
 #: Time of the long columns [s]: twice the paper's, a whole swing of a compressible one.
 LONG = 0.2
-LONG_COLUMN = "long column"
 
 
-def _long_columns() -> Iterable[HardCase]:
-    """Softer solids, and longer: the lattices on which today's positions fold, and do not."""
-    for nu in (0.3, 0.4, 0.45, 0.495):
-        stiff = {0.3: 0.25, 0.4: 0.35, 0.45: 0.5}.get(nu, 1.4)
-        for cells, jitter in ((4, 0.0), (5, 0.0), (5, 0.4), (6, 0.0), (8, 0.0)):
-            name = f"{LONG_COLUMN} 1/{cells}{', jitter 40 %' if jitter else ''}, nu {nu:g}"
-            yield HardCase(
-                name, "column", cells,
-                {"poisson_ratio": nu, "jitter": jitter, "end_time": LONG},
-                4.0 * stiff * (cells / 4.0) ** 4 * (1.7 if jitter else 1.0), name, fine=False,
-                short=2 if (cells, jitter, nu) == (4, 0.0, 0.3) else 0, methods=FEW,
-            )  # fmt: skip
-
-
-def _columns() -> Iterable[HardCase]:
+def _columns() -> Iterator[HardCase]:
     for omega, cost in ((105, 4.0), (200, 5.5), (300, 6.5)):
         name = f"column, Omega {omega}"
-        yield HardCase(
-            # Beyond 105 rad/s the fine reference takes minutes: the coarse one judges.
-            name, "column", 5, {"angular_velocity": float(omega)}, cost,
-            name, fine=omega == 105,
-            short=3 if omega == 105 else 0,
-        )  # fmt: skip
+        # Beyond 105 rad/s the fine reference takes minutes: the coarse one judges.
+        first = omega == 105
+        yield HardCase(name, Column(float(omega)), 5, cost, name, 3 if first else 0, first)
     for nu, cost in ((0.495, 0.9), (0.499, 1.8), (0.4999, 6.0)):
-        name = f"column 4x19x4, nu {nu:g}"
         # The answer hardly depends on nu there, the reference's cost does.
-        near = name if nu < 0.4999 else "column 4x19x4, nu 0.499"
-        yield HardCase(name, "column", 3, {"poisson_ratio": nu}, cost, near)
+        near = f"column 4x19x4, nu {min(nu, 0.499):g}"
+        yield HardCase(f"column 4x19x4, nu {nu:g}", Column(poisson_ratio=nu), 3, cost, near)
     for percent, cost in ((0, 2.0), (20, 3.3), (40, 4.2)):
-        yield HardCase(
-            f"column 5x25x5, jitter {percent} %", "column", 4, {"jitter": percent / 100.0}, cost,
-            "column, Omega 105",
-        )  # fmt: skip
+        name, problem = f"column 5x25x5, jitter {percent} %", Column(jitter=percent / 100.0)
+        yield HardCase(name, problem, 4, cost, "column, Omega 105")
 
 
-#: To 0.1 s but for the long columns; the 6x31x6 lattice where none is named.  ``cells`` are a
-#: metre.
+def _long_columns() -> Iterator[HardCase]:
+    """Softer solids, and longer: the lattices on which the positions fold, and do not."""
+    for nu, stiff in ((0.3, 0.25), (0.4, 0.35), (0.45, 0.5), (0.495, 1.4)):
+        for cells, jitter in ((4, 0.0), (5, 0.0), (5, 0.4), (6, 0.0), (8, 0.0)):
+            name = f"{LONG_COLUMN} 1/{cells}{', jitter 40 %' if jitter else ''}, nu {nu:g}"
+            cost = 4.0 * stiff * (cells / 4.0) ** 4 * (1.7 if jitter else 1.0)
+            short = 2 if (cells, jitter, nu) == (4, 0.0, 0.3) else 0
+            problem = Column(poisson_ratio=nu, jitter=jitter, end_time=LONG)
+            yield HardCase(name, problem, cells, cost, name, short, False, LONG_METHODS)
+
+
+#: To 0.1 s but for the long columns; the 6x31x6 lattice where none is named.
 CASES = (
     *_columns(),
-    HardCase(
-        "punch, initial", "pressed", 20, {"held": False, "end_time": 0.03}, 2.2, "punch, initial",
-        short=10,
-    ),
-    HardCase(
-        "punch, held", "pressed", 20, {"held": True, "end_time": 0.03}, 5.0, "punch, held", short=10
-    ),
-    HardCase("seeded sawtooth", "seeded", 6, {"pattern": "sawtooth"}, 3.0, short=3),
-    HardCase("seeded hourglass", "seeded", 6, {"pattern": "hourglass"}, 3.0),
-    HardCase("seeded noise", "seeded", 6, {"pattern": "noise"}, 3.0),
-    HardCase("seeded checkerboard", "checkerboard", 6, {}, 3.0, short=3),
-    HardCase("pulled to stretch 2", "pulled", 8, {}, 4.0, short=4),
+    HardCase("punch, initial", Punch(held=False), 20, 2.2, "punch, initial", 10),
+    HardCase("punch, held", Punch(held=True), 20, 5.0, "punch, held", 10),
+    HardCase("seeded sawtooth", Seed("sawtooth"), 6, 3.0, short=3),
+    HardCase("seeded hourglass", Seed("hourglass"), 6, 3.0),
+    HardCase("seeded noise", Seed("noise"), 6, 3.0),
+    HardCase("seeded checkerboard", Checkerboard(), 6, 3.0, short=3),
+    HardCase("pulled to stretch 2", Pulled(), 8, 4.0, short=4),
     *_long_columns(),
 )
-CASE_NAMES = tuple(case.name for case in CASES)
 #: The cases that variants are put to: one of each sort, and the worst.
 KEY_CASES = (
     "column, Omega 105", "column, Omega 200", "column 4x19x4, nu 0.4999",
     "column 5x25x5, jitter 20 %", "punch, initial", "punch, held", "seeded sawtooth",
     "seeded checkerboard", "pulled to stretch 2",
 )  # fmt: skip
-_QUICK_METHODS = ("defaults", "{p,F} H1", "{p,F,J} H1", "{p,F,J} H1, printed", "B-bar FEM")
-_QUICK_VARIANTS = ("CFL 0.8",)
-_DEARER = {"H6": 2.0, "-": 0.6}
+COLUMNS = (
+    "case", "method", "cells", "formulation", "stabilisation", "operator", "h_over_dx",
+    "integrator", "particles", "end_time", "applicable", "survived", "diverged_at", "where",
+    "folded", "folded_at", "steps", "energy_kept", "energy_gain", "dissipated_p", "dissipated_J",
+    "energy_projection", "energy_defect", "energy_rest", "J_min", "J_max", "unseen_rms",
+    "unseen_max", "inside_out", "smallest_det", "noise_end", "noise_max", "answer", "answer_is",
+    "noise_left", "clumping", "why", "wall_s", "cpu_s",
+)  # fmt: skip
 
 
-_STEP = {"TVD-RK2": 0.3, "SSP-RK3": 0.45, "position Verlet": 0.15, "-": 0.6}
+def run_case(*, case: str, problem: Problem, method: Method, cells: int) -> list[Row]:
+    """One row: whether the method lasts, where its energy went, and its answer."""
+    row = {"part": "hard", "case": case, "method": method.name, "cells": cells, "applicable": True}
+    return [row | problem.row(method, 1.0 / cells)]
 
 
 def _case(case: HardCase, method: Method, cells: int) -> Case:
-    arguments = {
-        "case": case.name, "method": method.arguments(), "kind": case.kind,
-        "cells": cells, "arguments": case.arguments,
-    }  # fmt: skip
-    cost = case.cost * _DEARER.get(method.secondary, 1.0) * (cells / case.cells) ** 4
-    cost *= _STEP[method.integrator] / method.cfl
-    return Case(f"{case.name}: {method.name}", "studies.stability.hard_case_runs:run", arguments,
-                cost)  # fmt: skip
+    arguments = {"case": case.name, "problem": case.problem, "method": method, "cells": cells}
+    cost = case.cost * (cells / case.cells) ** 4
+    return Case(f"{case.name}: {method.name}", run_case, arguments, cost)
 
 
-def hard_cases(quick: bool) -> list[Case]:
-    """Every method with every case, some by variants; the references."""
-    listed = []
+def hard_cases(*, quick: bool) -> Iterator[Case]:
+    """Every method with every case, the key cases with the variants, the references."""
     for case in CASES:
-        if quick and not case.short:
-            continue
-        cells = case.short if quick else case.cells
-        for method in case.methods:
-            if not quick or method.name in _QUICK_METHODS:
-                listed.append(_case(case, method, cells))
-        for variant in VARIANTS:
-            if case.name in KEY_CASES and (not quick or variant.name in _QUICK_VARIANTS):
-                listed.append(_case(case, variant, cells))
-        if case.reference == case.name and case.fine and not quick:
-            listed.append(_case(case, REFERENCE, 2 * cells))
-    return listed
+        methods = case.methods + (VARIANTS if case.name in KEY_CASES else ())
+        if not quick:
+            yield from (_case(case, method, case.cells) for method in methods)
+            if case.reference == case.name and case.fine:
+                yield _case(case, REFERENCE, 2 * case.cells)
+        elif case.short:
+            yield from (_case(case, m, case.short) for m in methods if m in _QUICK)
 
 
-def hard_case_warm_up() -> list[Case]:
-    """Tiny runs that compile every kernel: all of the punch's, the column's and the blocks'."""
+def tiny_cases() -> Iterator[Case]:
+    """Every kernel of the hard cases, compiled on next to nothing."""
     by_name = {case.name: case for case in CASES}
-    chosen = {method.name: method for method in METHODS}
-    pairs = [
-        ("punch, held", "{p,F,H,J} H1, paper's settings", 4),
-        ("punch, held", "{p,F,J} H1, printed", 4),
-        ("punch, held", "{p,F} H1", 4),
-        ("punch, held", "displacement SPH", 4),
-        ("punch, held", "{p,F,J} unstabilised", 4),
-        ("pulled to stretch 2", "{p,F,J} H1", 2),
-        ("column, Omega 105", "B-bar FEM", 2),
-    ]
-    return [_case(by_name[case], chosen[name], cells) for case, name, cells in pairs]
+    for method in (PAPER_COLUMN, PRINTED, WITHOUT_J, DISPLACEMENT, UNSTABILISED):
+        yield _case(by_name["punch, held"], method, 4)
+    yield _case(by_name["pulled to stretch 2"], PACKAGE, 2)
+    yield _case(by_name["column, Omega 105"], B_BAR, 2)
 
 
-def hard_case_table(rows: list[Row]) -> pd.DataFrame:
-    """One row per case and method in the order of the cases, judged."""
-    table = pd.DataFrame(
-        [row for row in rows if row.get("part") == "hard"], columns=[*COLUMNS]
-    ).drop(columns="part")
-    references = {case.name: case.reference for case in CASES}
-    return judged(table, references, REFERENCE.name, FEM.name)
-
-
-COLUMNS = (
-    "part", "case", "method", "cells", "solver", "formulation", "secondary", "operator",
-    "weighting", "tau_F", "xi_F", "tau_p", "h_over_dx", "integrator", "cfl", "particles",
-    "steps", "end_time", "applicable", "survived", "lost_time", "lost_step", "lost_particle",
-    "lost_X", "lost_Y", "lost_Z", "reason", "energy_kept", "energy_gain", "dissipated_p",
-    "dissipated_J", "energy_projection", "energy_defect", "energy_rest", "J_min", "J_max",
-    "unseen_rms", "unseen_max", "inside_out", "smallest_det",
-    "noise_end", "noise_max", "answer", "answer_is", "noise_left", "clumping", "wall_s",
-)  # fmt: skip
+def hard_table(rows: list[Row]) -> pd.DataFrame:
+    """One row a case and method, in the order of the cases."""
+    return pd.DataFrame([row for row in rows if row.get("part") == "hard"], columns=[*COLUMNS])

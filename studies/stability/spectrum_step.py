@@ -7,9 +7,9 @@ A disturbance is an array ``Y (..., n, k)``, ``k`` disturbances side by side, wi
     J   volume map, where it is not tied to ``w``
     x   positions that ``F_x`` is taken from, where they are not ``w``
 
-and ``rate(S, x)`` gives the rates of ``S = (w, v, J)``.  TVD-RK2 moves ``x`` and ``w`` alike.
-So does position Verlet, whose drift moves ``J`` by ``H : grad v`` alone: that part of the rates is
-``coarse(S)``, the rates without any intrinsic time.
+and ``A S + B x`` are the rates of ``S = (w, v, J)``.  TVD-RK2 moves ``x`` and ``w`` alike.
+So does position Verlet, whose drift moves ``w`` and ``J`` by ``grad v`` alone: that part of the
+rates is in ``coarse``, the rates without any intrinsic time.
 SSP-RK3 moves ``x`` by the weights that keep angular momentum, not by its own; the two differ by
 ``O(dt^4)`` a step.  So ``x`` has rows of its own if its disturbance is felt at all (``xi_F > 0``, a
 stress, no projection), and formulations without ``F`` have ``w = x`` at every stage.
@@ -17,20 +17,18 @@ stress, no projection), and formulations without ``F`` have ``w = x`` at every s
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from sphsolid import SSPRK3, TVDRK2, PositionVerlet
+from sphsolid import SSPRK3, SUPG, TVDRK2, OfStep, PositionVerlet
 from sphsolid.defaults import Integrator
 from sphsolid.errors import InputError
+from sphsolid.scheme.stabilisation import Stabilisation
 
 Block = NDArray[Any]
-Rate = Callable[[Block, Block], Block]
-CoarseRate = Callable[[Block], Block]
 
 
 @dataclass(frozen=True)
@@ -56,49 +54,53 @@ class Layout:
         return Y[..., self.size :, :] if self.own_x else Y[..., : self.moves, :]
 
 
-def step_map(
-    integrator: Integrator, layout: Layout, rate: Rate, coarse: CoarseRate, Y: Block, cfl: float
-) -> Block:
-    """``Y`` after one step of ``cfl`` units of time."""
+@dataclass(frozen=True)
+class Rates:
+    """``A (..., n, n)`` by the state, ``B (..., n, m)`` by the geometry; ``coarse`` as ``A``."""
+
+    A: Block
+    B: Block
+    coarse: Block
+
+    def of(self, S: Block, x: Block) -> Block:
+        """``A S + B x``."""
+        return self.A @ S + self.B @ x
+
+
+def step_matrix(integrator: Integrator, layout: Layout, rates: Rates, cfl: float) -> Block:
+    """The map ``(..., rows, rows)`` of one step of ``cfl`` units of time."""
+    unit = np.broadcast_to(np.eye(layout.rows), (*rates.A.shape[:-2], layout.rows, layout.rows))
     if isinstance(integrator, TVDRK2):
-        return _two_stages(layout, rate, Y, cfl)
+        return _two_stages(layout, rates, unit, cfl)
     if isinstance(integrator, SSPRK3):
-        return _three_stages(layout, rate, Y, cfl)
+        return _three_stages(layout, rates, unit, cfl)
     if isinstance(integrator, PositionVerlet):
-        return _drift_kick_drift(layout, rate, coarse, Y, cfl)
+        return _drift_kick_drift(layout, rates, unit, cfl)
     raise InputError(
-        f"integrator {integrator!r} has no linear map; use TVDRK2(), SSPRK3() or "
-        "PositionVerlet()"
+        f"integrator {integrator!r} has no linear map; use TVDRK2(), SSPRK3() or PositionVerlet()"
     )
 
 
-def _two_stages(layout: Layout, rate: Rate, Y: Block, c: float) -> Block:
+def _two_stages(layout: Layout, rates: Rates, Y: Block, c: float) -> Block:
     x, v = layout.position(Y), layout.velocity(Y)
-    star = Y + c * rate(Y, x)
+    star = Y + c * rates.of(Y, x)
     ahead = x + 0.5 * c * (v + layout.velocity(star))
-    return 0.5 * (Y + star + c * rate(star, ahead))
+    return 0.5 * (Y + star + c * rates.of(star, ahead))
 
 
-def _drift_kick_drift(
-    layout: Layout, rate: Rate, coarse: CoarseRate, Y: Block, c: float
-) -> Block:
+def _drift_kick_drift(layout: Layout, rates: Rates, Y: Block, c: float) -> Block:
     m = layout.moves
-
-    def by_velocity(S: Block) -> Block:
-        alone = np.zeros_like(S)
-        alone[..., m : 2 * m, :] = layout.velocity(S)
-        moved = coarse(alone)
-        # A velocity does work against no stress at rest, but it does change w and J.
-        moved[..., m : 2 * m, :] = 0.0
-        return moved
-
-    half = Y + 0.5 * c * by_velocity(Y)
-    kick = rate(half, layout.position(half)) - by_velocity(half)
+    # A velocity does work against no stress at rest, but it does change w and J.
+    drift = np.zeros_like(rates.coarse)
+    drift[..., :, m : 2 * m] = rates.coarse[..., :, m : 2 * m]
+    drift[..., m : 2 * m, :] = 0.0
+    half = Y + 0.5 * c * (drift @ Y)
+    kick = rates.of(half, layout.position(half)) - drift @ half
     end = half + c * kick
-    return end + 0.5 * c * by_velocity(end)
+    return end + 0.5 * c * (drift @ end)
 
 
-def _three_stages(layout: Layout, rate: Rate, Y: Block, c: float) -> Block:
+def _three_stages(layout: Layout, rates: Rates, Y: Block, c: float) -> Block:
     start, x = Y[..., : layout.size, :], layout.position(Y)
     v = layout.velocity(start)
 
@@ -107,14 +109,44 @@ def _three_stages(layout: Layout, rate: Rate, Y: Block, c: float) -> Block:
             return S
         return np.concatenate([y, S[..., layout.moves :, :]], axis=-2)
 
-    first = start + c * rate(start, x)
+    first = start + c * rates.of(start, x)
+    y = x + c / 6.0 * (5.0 * v + layout.velocity(first))
     v_first = layout.velocity(first)
-    y = x + c / 6.0 * (5.0 * v + v_first)
     first = tied(first, y)
-    second = 0.75 * start + 0.25 * (first + c * rate(first, y))
+    second = 0.75 * start + 0.25 * (first + c * rates.of(first, y))
     y = x + c * (2.0 / 3.0 * v + v_first / 6.0 - layout.velocity(second) / 3.0)
     second = tied(second, y)
-    end = start / 3.0 + 2.0 / 3.0 * (second + c * rate(second, y))
+    end = start / 3.0 + 2.0 / 3.0 * (second + c * rates.of(second, y))
     y = y + 0.5 * c * layout.velocity(end)
     end = tied(end, y)
     return np.concatenate([end, y], axis=-2) if layout.own_x else end
+
+
+# --- how the rates depend on the length of the step ---------------------------------------------
+
+
+def nodes(stabilisation: Stabilisation) -> tuple[float, ...]:
+    """CFL numbers at which the rates are taken: as many as their polynomial in it needs.
+
+    They depend on it through intrinsic times of the step alone: ``D(p)`` is linear in its time,
+    ``D(J)`` in its own and, in the self-adjoint form, in both.
+    """
+    if not isinstance(stabilisation, SUPG):
+        return (1.0,)
+    grow = {
+        name: isinstance(time, OfStep) and time.c > 0.0
+        for name, time in stabilisation.intrinsic_times.items()
+    }
+    degree = int(grow.pop("tau_p")) + int(any(grow.values()))
+    if not stabilisation.is_self_adjoint:
+        degree = min(degree, 1)
+    return ((1.0,), (0.5, 1.0), (0.25, 0.5, 1.0))[degree]
+
+
+def interpolated(at_nodes: NDArray[Any], places: tuple[float, ...], cfl: float) -> NDArray[Any]:
+    """The polynomial through ``at_nodes (n, ...)`` at the CFL numbers ``places (n,)``."""
+    weights = [
+        np.prod([(cfl - other) / (node - other) for other in places if other != node])
+        for node in places
+    ]
+    return np.asarray(np.tensordot(np.array(weights), at_nodes, axes=1))
