@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 import sphsolid as sph
-from sphsolid.record import EnergyLedger
+from sphsolid.record import EnergyBudget
 from studies.clouds.cases import cube_on, operator_of
 from studies.clouds.choice import cloud_of, label_of
 from studies.conservation.measures import INTEGRATORS
@@ -39,14 +39,14 @@ def ledger(*, cloud: str, level: int, operator: str, integrator: str) -> list[di
             angular_momentum=sph.NoProjection(),
             integrator=INTEGRATORS[integrator],
         )
-        sim.track_balance()
+        sim.track_budget()
         steps = STEPS * 2**halving
         dt = SHARE * period / steps
         found, energy = [], 0.0
         for step in range(1, steps + 1):
             sim.advance(dt)
             if step % (steps // INSTANTS) == 0:
-                row = EnergyLedger().record(sim.snapshot(), scene)
+                row = EnergyBudget().record(sim.snapshot(), scene)
                 found.append(abs(row["energy_rest [J]"]))
                 energy = max(energy, row["total_energy [J]"])
         rows.append(

@@ -90,7 +90,7 @@ def conservation(
     except InputError as refusal:
         return [row | {"outcome": "refused", "why": str(refusal)}]
     row |= about_the_set_up(sim)
-    sim.track_balance()
+    sim.track_budget()
     started = time.perf_counter()
     try:
         for _ in range(STEPS):

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from sphsolid.record import EnergyLedger, MomentumDrift, Snapshot
+from sphsolid.record import EnergyBudget, MomentumDrift, Snapshot
 from sphsolid.record.recorders import AXES, Recorder
 from sphsolid.scenes import Scene, l_shaped_block
 from studies.conservation.measures import (
@@ -67,7 +67,7 @@ def block(
     started = time.perf_counter()
     scene = l_shaped_block(load_factor=load, jitter=jitter)
     sim = solver(scene, **options)
-    record: list[Recorder] = [EnergyLedger(), MomentumDrift(), PressureState()]
+    record: list[Recorder] = [EnergyBudget(), MomentumDrift(), PressureState()]
     folder, label = ShotFolder(Path(shots)), label_of(**options)
     if shot_times:
         folder.clear(key)

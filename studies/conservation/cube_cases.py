@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from sphsolid.record import EnergyLedger, MomentumDrift
+from sphsolid.record import EnergyBudget, MomentumDrift
 from sphsolid.scenes import spinning_cube
 from studies.conservation.measures import (
     chosen,
@@ -37,7 +37,7 @@ def cube(
     sim = solver(scene, **options)
     every = scene.end_time / max(1, round(turns * RECORDS_A_TURN))
     table, failure = march(
-        sim, until=scene.end_time, every=every, record=[EnergyLedger(), MomentumDrift()]
+        sim, until=scene.end_time, every=every, record=[EnergyBudget(), MomentumDrift()]
     )
     energy = table["total_energy [J]"].to_numpy()
     rest = table["energy_rest [J]"].to_numpy() / energy[0]

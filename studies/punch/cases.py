@@ -13,7 +13,7 @@ import fem_reference as fem
 import sphsolid as sph
 from sphsolid.errors import Diverged
 from sphsolid.geometry.mesh import Mesh
-from sphsolid.record import EnergyLedger, MomentumDrift, Reactions, Snapshot
+from sphsolid.record import EnergyBudget, MomentumDrift, Reactions, Snapshot
 from sphsolid.scenes import HeldVelocity, InitialVelocity, Scene, punch
 from sphsolid.scenes.punch import Press
 from sphsolid.scheme.stabilisation import Stabilisation
@@ -128,7 +128,7 @@ def run_case(
     folder.clear(key)
     sim = simulation(scene, method=method, operator=operator, cells=cells)
     record = [
-        TopFace(), PressureState(), EnergyLedger(), MomentumDrift(), Reactions(),
+        TopFace(), PressureState(), EnergyBudget(), MomentumDrift(), Reactions(),
         SaveShots(folder, key, label, times=tuple(shot_times) or (-1.0,)),
     ]  # fmt: skip
     started, busy = time.perf_counter(), time.process_time()

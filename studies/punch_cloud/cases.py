@@ -13,7 +13,7 @@ from sphsolid.cloud import T1
 from sphsolid.errors import Diverged
 from sphsolid.geometry import HexMesh
 from sphsolid.record import Snapshot
-from sphsolid.record.balance import Balance
+from sphsolid.record.budget import Budget
 from sphsolid.scenes import punch
 from sphsolid.scenes.punch import HEIGHT
 from sphsolid.scheme.stabilisation import SUPG
@@ -70,7 +70,7 @@ def run_case(
     instants: list[Row] = []
     lost: Row = {"survived": True, "lost_at": float("nan"), "reason": ""}
     started = time.perf_counter()
-    sim.track_balance()
+    sim.track_budget()
     try:
         for n in range(1, round(until / EVERY) + 1):
             sim.run(until=n * EVERY)
@@ -99,8 +99,8 @@ def run_case(
 
 def missed_momentum(shot: Snapshot) -> float:
     """Linear momentum that no load or constraint gave, over that of the start."""
-    balance = shot.balance
-    assert isinstance(balance, Balance)
+    balance = shot.budget
+    assert isinstance(balance, Budget)
     return float(np.linalg.norm(balance.drift[0]) / np.linalg.norm(balance.start_momentum[0]))
 
 

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sphsolid.errors import Diverged, FoldingWarning
-from sphsolid.record import EnergyLedger, History, Positions, Snapshot, Solver, march
+from sphsolid.record import EnergyBudget, History, Positions, Snapshot, Solver, march
 from sphsolid.record.recorders import Recorder
 from sphsolid.scenes import Scene
 from studies.report.indicators import pressure_noise, twist_of_top
@@ -108,7 +108,7 @@ def run_to_end(solver: Simulation, *recorders: Recorder) -> tuple[History, dict[
 
     That positions fold is in the history, and no warning.
     """
-    solver.track_balance()
+    solver.track_budget()
     until = solver.scene.end_time
     lost: dict[str, Any] = {"survived": True, "reason": ""}
     try:
@@ -116,7 +116,7 @@ def run_to_end(solver: Simulation, *recorders: Recorder) -> tuple[History, dict[
             warnings.simplefilter("ignore", FoldingWarning)
             history = march(
                 cast(Solver, Watched(solver)), until=until, every=until / RECORDS,
-                record=[EnergyLedger(), Health(), Positions(), *recorders],
+                record=[EnergyBudget(), Health(), Positions(), *recorders],
             )  # fmt: skip
     except Diverged as end:
         history = end.history  # type: ignore[attr-defined]

@@ -27,6 +27,12 @@ def times_at(simulation: Simulation, step: float) -> Times:
     return supg.seconds(Units(simulation._time_step.crossing, step))
 
 
+def take_times_at(simulation: Simulation, step: float) -> None:
+    """Give every term its times where the CFL rule allows ``step`` [s]."""
+    crossing = simulation._time_step.crossing if step > 0.0 else 0.0
+    simulation._rhs.begin_step(Units(crossing, step))
+
+
 def nodes(stabilisation: Stabilisation) -> tuple[float, ...]:
     """CFL numbers at which the rates are taken: as many as their polynomial in it needs.
 

@@ -26,8 +26,8 @@ from numpy.typing import NDArray
 from sphsolid import SSPRK3, SUPG, Simulation
 from sphsolid.continuum.tensor import cofactor, contract, cross, join, split
 from sphsolid.errors import require
-from sphsolid.scheme.right_hand_side import State
-from studies.stability.rates_by_step import interpolated, nodes, times_at, unit_time
+from sphsolid.scheme.state import State
+from studies.stability.rates_by_step import interpolated, nodes, take_times_at, unit_time
 from studies.stability.spectrum_step import CoarseRate, Layout, Rate, step_map
 
 Array = NDArray[np.float64]
@@ -67,7 +67,7 @@ class Linearisation:
         self.length = sim.cloud.h_min
         self.unit_time = unit_time(sim)
         self.has_J = J_is_free(sim)
-        self._base = State(**{name: array.copy() for name, array in vars(sim.state).items()})
+        self._base = State(**{name: array.copy() for name, array in sim.state.items()})
         allowed = np.ones((sim.cloud.size, 3))
         self.rhs.essential.release(allowed)
         require(
@@ -137,7 +137,7 @@ class Linearisation:
             state.J += contract(split(base.H) if f.evolves_H else cofactor(F), change)
         state.F += base.F
         x = base.x + (step * self.length) * z
-        rhs.times = times_at(self.simulation, cfl * self.unit_time)
+        take_times_at(self.simulation, cfl * self.unit_time)
         rates = rhs.evaluate(state, x, 0.0)
         pdot = rates.p.reshape(-1)[self.free] * (self.unit_time / (density * speed))
         parts = [step * v.reshape(-1)[self.free], pdot]

@@ -16,7 +16,7 @@ import fem_reference as fem
 import sphsolid as sph
 from sphsolid.defaults import default_cfl, default_integrator, default_stabilisation
 from sphsolid.errors import Diverged
-from sphsolid.record import EnergyLedger, MomentumDrift, Positions, Reactions, Snapshot
+from sphsolid.record import EnergyBudget, MomentumDrift, Positions, Reactions, Snapshot
 from sphsolid.record.recorders import Recorder
 from sphsolid.scenes import twisting_column
 from sphsolid.scenes.scene import Scene
@@ -99,7 +99,7 @@ def top_corners(X: Array) -> NDArray[np.bool_]:
     return np.asarray(corner & (X[:, 1] > X[:, 1].max() - 1e-9))
 
 
-RECORD = (ColumnState(), Positions(), EnergyLedger(), MomentumDrift(), Reactions())
+RECORD = (ColumnState(), Positions(), EnergyBudget(), MomentumDrift(), Reactions())
 
 
 def simulation(

@@ -16,7 +16,7 @@ from sphsolid.record import Snapshot, angular_momentum, linear_momentum
 from sphsolid.scenes import Box, Scene, swinging_cube
 from sphsolid.scheme.formulation import Formulation
 from sphsolid.scheme.intrinsic_time import Units
-from sphsolid.scheme.right_hand_side import State
+from sphsolid.scheme.state import State
 from studies.convergence.cases import period_errors_of
 from studies.report.order import last_order
 from tests.oracles.blocks import AFFINE, MOONEY, stress_of, stretched_block
@@ -26,8 +26,7 @@ Array = NDArray[np.float64]
 
 def rates_at(sim: sph.Simulation, *, step: float, t: float = 0.0) -> State:
     """Rates of the state now where the CFL rule allows ``step`` [s]."""
-    if isinstance(sim.stabilisation, sph.SUPG):
-        sim._rhs.times = sim.stabilisation.seconds(Units(sim._time_step.crossing, step))
+    sim._rhs.begin_step(Units(sim._time_step.crossing, step))
     return sim._rhs.evaluate(sim.state, sim.state.x, t)
 
 

@@ -13,7 +13,7 @@ from sphsolid.geometry.body import Box
 from sphsolid.scenes.scene import Scene, Traction
 from studies.harness.cases import execute
 from studies.report.plotting import style
-from studies.stability.rates_by_step import times_at
+from studies.stability.rates_by_step import take_times_at
 from studies.stability.spectrum import Linearisation
 from studies.stability.spectrum_cases import BODIES, contraction, large, simulation
 from studies.stability.spectrum_growth import decades, largest_modulus, limits
@@ -113,7 +113,7 @@ def agrees(linear, found, y, cfl, tolerance=2e-7):
 def one_step(linear, y, cfl, size=1.0e-5):
     """The derivative of the real stepper along ``y``."""
     step = cfl * linear.unit_time
-    linear.rhs.times = times_at(linear.simulation, step)
+    take_times_at(linear.simulation, step)
     ends = []
     for sign in (1.0, -1.0):
         disturb(linear, sign * size * y)
