@@ -181,7 +181,7 @@ def run_case(
         folder.save_diverged(key, key, ran.diverged)
     # At the start there is no pressure yet.
     history = ran.history[ran.history["time [s]"] > 0.0].rename(columns={"time [s]": "time"})
-    balance: Any = sim.snapshot().balance
+    balance: Any = sim.snapshot().budget
     drift, start = (np.linalg.norm(part[0]) for part in (balance.drift, balance.start_momentum))
     ends = ("p_low", "p_high", "top_low", "top_high")
     row: Row = {

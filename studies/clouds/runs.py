@@ -16,7 +16,7 @@ from sphsolid.errors import InputError
 from sphsolid.geometry import Blocks, MeshFile
 from sphsolid.geometry.body import AS_MESHED, Body
 from sphsolid.record import (
-    EnergyLedger,
+    EnergyBudget,
     MomentumDrift,
     Recovery,
     Snapshot,
@@ -173,7 +173,7 @@ def conservation(*, shape: str, cloud: str, method: Method, operator: str) -> li
     except InputError as refusal:
         return [row | {"outcome": "refused", "why": str(refusal)}]
     row |= about_the_set_up(sim)
-    sim.track_balance()
+    sim.track_budget()
 
     def steps() -> None:
         for _ in range(STEPS):
@@ -214,14 +214,14 @@ def energy(*, cloud: str, level: int, method: Method) -> list[Row]:
     rows = []
     for halving in range(3):
         sim = method.simulation(scene, spacing=instance.spacing)
-        sim.track_balance()
+        sim.track_budget()
         steps = COARSEST * 2**halving
         dt = SHARE * period / steps
         found, most = [], 0.0
         for step in range(1, steps + 1):
             sim.advance(dt)
             if step % (steps // INSTANTS) == 0:
-                row = EnergyLedger().record(sim.snapshot(), scene)
+                row = EnergyBudget().record(sim.snapshot(), scene)
                 found.append(abs(row["energy_rest [J]"]))
                 most = max(most, row["total_energy [J]"])
         rows.append(

@@ -15,7 +15,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from sphsolid.record import EnergyLedger, MomentumDrift, Snapshot
+from sphsolid.record import EnergyBudget, MomentumDrift, Snapshot
 from sphsolid.record.recorders import AXES, Recorder
 from sphsolid.scenes import Scene, l_shaped_block, spinning_cube
 from sphsolid.scenes.l_shaped_block import PUBLISHED_SPACING
@@ -148,7 +148,7 @@ def run_block(*, block: Block, shots: str) -> list[Row]:
     """A row ``table`` and rows ``history``; frames go to the folder ``shots``."""
     scene = l_shaped_block(load_factor=block.load, jitter=block.jitter)
     sim = block.method.simulation(scene, spacing=block.spacing)
-    record: list[Recorder] = [EnergyLedger(), MomentumDrift(), PressureState()]
+    record: list[Recorder] = [EnergyBudget(), MomentumDrift(), PressureState()]
     folder = ShotFolder(Path(shots))
     if block.pictured:
         folder.clear(block.key)
@@ -252,7 +252,7 @@ def run_cube(*, cube: Cube, keep_history: bool) -> list[Row]:
     sim = cube.method.but(cfl=cube.cfl).simulation(scene, spacing=cube.spacing)
     made = setting(sim)
     every = scene.end_time / max(1, round(cube.turns * RECORDS_A_TURN))
-    ran = run(sim, until=scene.end_time, every=every, record=[EnergyLedger(), MomentumDrift()])
+    ran = run(sim, until=scene.end_time, every=every, record=[EnergyBudget(), MomentumDrift()])
     history = ran.history
     energy = history["total_energy [J]"].to_numpy()
     residual = history["energy_rest [J]"].to_numpy() / energy[0]

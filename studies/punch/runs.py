@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 import sphsolid as sph
 from sphsolid.cloud.operator import OperatorKind
 from sphsolid.geometry.mesh import Mesh
-from sphsolid.record import EnergyLedger, MomentumDrift, Reactions, Snapshot
+from sphsolid.record import EnergyBudget, MomentumDrift, Reactions, Snapshot
 from sphsolid.record.recorders import Recorder
 from sphsolid.scenes import HeldVelocity, InitialVelocity, Scene, punch
 from sphsolid.scenes.punch import Press
@@ -144,7 +144,7 @@ def run_case(
     sim = simulation(reading, method, operator, cells, until)
     mesh = sim.snapshot().mesh
     record: list[Recorder] = [
-        State(), EnergyLedger(), MomentumDrift(), Reactions(), edge,
+        State(), EnergyBudget(), MomentumDrift(), Reactions(), edge,
         SaveShots(folder, key, method.name, times=shot_times or (-1.0,)),
     ]  # fmt: skip
     ran = run(sim, until=until, every=EVERY, record=record)

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from sphsolid.defaults import default_cfl, default_integrator
 from sphsolid.errors import Diverged
-from sphsolid.record import EnergyLedger, MomentumDrift, Positions, Reactions, Snapshot
+from sphsolid.record import EnergyBudget, MomentumDrift, Positions, Reactions, Snapshot
 from sphsolid.record.recorders import Recorder
 from sphsolid.scenes import Scene, twisting_column
 from studies.measures import folding
@@ -156,7 +156,7 @@ def run_column(*, column: Column, shots: str) -> list[Row]:
     """Rows of three kinds: one ``table``, a ``history`` a record, a ``layers`` a layer of cells."""
     sim = column.solver()
     made = setting(sim)
-    record: list[Recorder] = [ColumnState(), Positions(), EnergyLedger(), MomentumDrift(),
+    record: list[Recorder] = [ColumnState(), Positions(), EnergyBudget(), MomentumDrift(),
                               Reactions()]  # fmt: skip
     folder, key = ShotFolder(Path(shots)), shot_key(column.method.name, column.cells)
     if column.frames:

@@ -24,7 +24,7 @@ def _moments(impulse: Array, x: Array) -> Array:
 
 
 @dataclass(frozen=True)
-class NoAccount:
+class NoBudget:
     """Nobody asked where energy and momentum go."""
 
     def loads(self, x: Array, v_half: Array, half: float, t: float) -> None:
@@ -36,8 +36,12 @@ class NoAccount:
         """Impose the essential conditions, nothing else."""
         essential.apply(v, t)
 
+    def mean_reaction(self, dt: float, before: Array) -> Array:
+        """What it was ``before``: nobody asks."""
+        return before
 
-class Account:
+
+class StepBudget:
     """Totals since it was opened: works [J], impulses ``(2, 3)``, ``reaction (n, 3)`` [N s].
 
     ``mass (N, 1)`` [kg]; rows of impulses are linear [N s] and angular about the origin [N m s];
@@ -56,6 +60,16 @@ class Account:
         self.reaction = np.zeros((len(essential.nodes), 3))
         self.last_reaction = np.zeros_like(self.reaction)
         self._v_half = np.zeros_like(self.reaction)
+
+    @property
+    def by_name(self) -> dict[str, float]:
+        """Works [J] by name."""
+        return {name: float(work) for name, work in self.works.items()}
+
+    @property
+    def traction_impulse(self) -> Array:
+        """``(2, 3)`` that of the tractions alone."""
+        return self.impulses["traction"]
 
     @property
     def impulse(self) -> Array:
@@ -92,3 +106,7 @@ class Account:
         self.works["constraint"] += float(np.sum(self.last_reaction * self._v_half))
         self.impulses["constraint"] += _moments(self.last_reaction, x[nodes])
         self.reaction += self.last_reaction
+
+    def mean_reaction(self, dt: float, before: Array) -> Array:
+        """The mean force ``(n, 3)`` [N] of the constraints in the last half step."""
+        return 2.0 / dt * self.last_reaction

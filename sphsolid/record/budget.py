@@ -1,4 +1,4 @@
-"""Where energy and momentum went since a run began, as either solver accounts for it."""
+"""The energy and the momentum budget of a run: where both went since it was opened."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from sphsolid.geometry.mesh import read_only
 
 Array = NDArray[np.float64]
-#: Works a method may report; those it does not have are zero.
+#: Works that a recorder always reports; those that a method does not have are zero.
 WORKS = (
     "traction", "body_force", "constraint", "projection", "adjoint_defect",
     "dissipation_p", "dissipation_J",
@@ -19,22 +19,23 @@ WORKS = (
 
 @dataclass(frozen=True)
 class NotTracked:
-    """The run keeps no account: no recorder asked for one."""
+    """The run keeps no budget: no recorder asked for one."""
 
 
 NOT_TRACKED = NotTracked()
 
 
 @dataclass(frozen=True)
-class Balance:
-    """Totals since the account was opened.
+class Budget:
+    """Totals since the budget was opened.
 
-    ``start_energy`` [J] kinetic and strain energy then; ``works`` [J] by name (:data:`WORKS`), a
-    dissipation being negative; ``start_momentum, momentum, impulse (2, 3)``: linear [kg m/s] and
-    angular [kg m^2/s] about the origin, then, now, and what loads and constraints gave;
-    ``traction_impulse (2, 3)`` the part of the tractions; ``largest_step_drift (2,)`` the largest
-    norm by which one step missed its impulse; ``reaction_impulse`` [N s] and ``reaction_force``
-    [N] ``(3,)`` on the body by constrained face, the force at the last stage taken.
+    ``start_energy`` [J] kinetic and strain energy then; ``works`` [J] by name (:data:`WORKS` and
+    those of a user's own terms), what a term takes away being negative; ``start_momentum,
+    momentum, impulse (2, 3)``: linear [kg m/s] and angular [kg m^2/s] about the origin, then, now,
+    and what loads and constraints gave; ``traction_impulse (2, 3)`` the part of the tractions;
+    ``largest_step_drift (2,)`` the largest norm by which one step missed its impulse;
+    ``reaction_impulse`` [N s] and ``reaction_force`` [N] ``(3,)`` on the body by constrained face,
+    the force at the last stage taken.
     """
 
     start_energy: float
@@ -48,7 +49,7 @@ class Balance:
     reaction_force: dict[str, Array]
 
     def __post_init__(self) -> None:
-        """Copies that cannot be written to: recorders share them, and the account goes on."""
+        """Copies that cannot be written to: recorders share them, and the budget goes on."""
         for each in fields(self):
             value = getattr(self, each.name)
             if isinstance(value, np.ndarray):
@@ -66,7 +67,7 @@ class Balance:
         return self.momentum - self.start_momentum - self.impulse
 
 
-class MomentumWatch:
+class MomentumBudget:
     """Compares, step by step, the change of momentum with the impulse that was applied."""
 
     def __init__(self, momentum: Array) -> None:

@@ -17,7 +17,7 @@ by the chain rule alone, so what is left over a run is the error of the time int
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,36 +25,27 @@ from numpy.typing import NDArray
 from sphsolid.compiled import kernel, prange
 from sphsolid.continuum import law
 from sphsolid.continuum.tensor import axpy, cofactor, contract, determinant, load
-from sphsolid.fields import components, scalar_field, tensor_field, vector_field
-from sphsolid.scheme import fine_scale, galerkin, pressure
 from sphsolid.scheme.boundary import EssentialConditions
-from sphsolid.scheme.right_hand_side import RightHandSide, State
-from sphsolid.scheme.stabilisation import SUPG
+from sphsolid.scheme.right_hand_side import RightHandSide
+from sphsolid.scheme.state import Field, State
 
 Array = NDArray[np.float64]
-#: Order of the works in :attr:`Account.works`.
-TERMS = (
-    "traction", "body_force", "constraint", "projection", "adjoint_defect",
-    "dissipation_p", "dissipation_J",
-)  # fmt: skip
+#: Works that every run has; those of its terms follow them in :attr:`StageBudget.works`.
+TERMS = ("traction", "body_force", "constraint", "projection", "adjoint_defect")
 
 
 @kernel
-def _stress_powers(  # type: ignore[no-untyped-def]
-    material, has_H, has_J, V, L_k, L_f, P_C, F, H, J, D_J, out
-):
-    """Columns of ``out (N, 3)`` [W]: projection, adjoint defect, ``D(J)``."""
+def _stress_powers(material, V, L_k, L_f, P_C, given, out):  # type: ignore[no-untyped-def]
+    """Columns of ``out (N, 2)`` [W]: projection, adjoint defect."""
+    F, H, J = given
     for a in prange(len(V)):
         F_a = load(F, a)
-        H_a = load(H, a) if has_H else cofactor(F_a)
-        J_a = J[a] if has_J else determinant(F_a)
+        H_a = load(H, a) if len(H) > 0 else cofactor(F_a)
+        J_a = J[a] if len(J) > 0 else determinant(F_a)
         P_a = law.first_piola(material, F_a, H_a, J_a)
         L_f_a = load(L_f, a)
         out[a, 0] = -V[a] * contract(axpy(-1.0, P_a, load(P_C, a)), L_f_a)
         out[a, 1] = V[a] * contract(P_a, axpy(-1.0, L_f_a, load(L_k, a)))
-        out[a, 2] = 0.0
-        if has_J:
-            out[a, 2] = V[a] * law.conjugate_stresses(material, F_a, H_a, J_a)[2] * D_J[a]
 
 
 def _moments(impulse: Array, x: Array) -> Array:
@@ -62,10 +53,15 @@ def _moments(impulse: Array, x: Array) -> Array:
 
 
 @dataclass(frozen=True)
-class NoAccount:
+class NoBudget:
     """Nobody asked where energy and momentum go: the stages are not looked at."""
 
     def stage(self, state: State, geometry: Array, dt: float, t: float) -> None:
+        """Nothing."""
+
+    def kick(
+        self, state: State, p_start: Array, pushed: Array, dt: float, t: float
+    ) -> None:
         """Nothing."""
 
     def impose(
@@ -75,34 +71,41 @@ class NoAccount:
         essential.impose(state.p, t)
 
 
-class Account:
+class StageBudget:
     """Work [J] of every term and impulses, integrated with the integrator's own stages.
 
-    ``works (7,)`` in the order of :data:`TERMS`; ``traction, body_force, constraint (2, 3)`` hold
-    the linear [N s] and the angular impulse [N m s] about the origin; ``reaction (n, 3)`` [N s]
-    the impulse on each constrained particle.
+    ``works (k,)`` in the order of ``names``, which are :data:`TERMS` and those of the terms of
+    the run; ``traction, body_force, constraint (2, 3)`` hold the linear [N s] and the angular
+    impulse [N m s] about the origin; ``reaction (n, 3)`` [N s] the impulse on each constrained
+    particle.
     """
 
     def __init__(self, rhs: RightHandSide) -> None:
         self._rhs = rhs
-        n = rhs.cloud.size
-        self.works = np.zeros(len(TERMS))
+        set_up, operator = rhs.set_up, rhs.operator
+        self._V = set_up.cloud.V
+        self.names = TERMS + tuple(name for term in rhs.terms for name in term.works)
+        self.works = np.zeros(len(self.names))
         self.traction = np.zeros((2, 3))
         self.body_force = np.zeros((2, 3))
         self.constraint = np.zeros((2, 3))
         self.reaction = np.zeros((len(rhs.essential.particles), 3))
-        self._powers = np.zeros((n, 3))
+        self._powers = np.zeros((operator.size, 2))
         rhs.keeps_rates = True
-        self._D_p = vector_field(n)
-        extra = n if rhs.is_self_adjoint else 0
-        self._force = vector_field(extra)
-        self._minus_B = tensor_field(extra, particle_major=rhs.cloud.particle_major)
-        self._D_J = scalar_field(n if rhs.formulation.evolves_J else 0)
+        rhs.keep_galerkin_stress()
         self._L_f = (
-            rhs.rates.F
-            if rhs.cloud.is_adjoint
-            else tensor_field(n, particle_major=rhs.cloud.particle_major)
+            rhs.rates.F if operator.is_adjoint else operator.zeros(Field("L_f", "tensor"))
         )
+
+    @property
+    def by_name(self) -> dict[str, float]:
+        """Works [J] by name."""
+        return dict(zip(self.names, self.works.tolist(), strict=True))
+
+    @property
+    def traction_impulse(self) -> Array:
+        """``(2, 3)`` that of the tractions alone."""
+        return self.traction
 
     @property
     def impulse(self) -> Array:
@@ -120,40 +123,48 @@ class Account:
         ``geometry (N, 3)`` [m] are the positions the stage projected with: moments about them add
         up to the change of angular momentum exactly.
         """
-        rhs, cloud = self._rhs, self._rhs.cloud
+        rhs = self._rhs
         v = state.p / rhs.material.density
-        self._dissipation()
-        P = rhs.P
-        if rhs.is_self_adjoint:
-            # The stress that made the force holds -B, whose work belongs to D(p).
-            self._minus_B[:] = 0.0
-            rhs.subtract_back(geometry, self._minus_B)
-            galerkin.internal_force(
-                cloud.adjoint, components(self._minus_B), components(self._force), rhs.scratch
-            )
-            self._D_p += self._force
-            P = rhs.P - self._minus_B
-        if not cloud.is_adjoint:
-            rhs.force_gradient(v, 1.0, self._L_f)
-        f = rhs.formulation
+        stage = replace(
+            rhs.stage, state=state, x=geometry, arms=rhs.operator.arms(geometry), t=t
+        )
+        powers = [power for term in rhs.terms for power in term.powers(stage)]
+        self.works[len(TERMS) :] += dt * np.array(powers)
+        if not rhs.operator.is_adjoint:
+            rhs.operator.force_gradient(v, 1.0, self._L_f)
         _stress_powers(
-            rhs.material, f.evolves_H, f.evolves_J, cloud.V, rhs.rates.F, self._L_f, P,
-            state.F, state.H, state.J, self._D_J, self._powers,
+            rhs.material, self._V, rhs.rates.F, self._L_f, rhs.P_galerkin,
+            (state.F, state.H, state.J), self._powers,
         )  # fmt: skip
-        self.works[3:5] += dt * np.sum(self._powers[:, :2], axis=0)
-        self.works[5] += dt * np.sum(cloud.V[:, None] * v * self._D_p)
-        self.works[6] += dt * np.sum(self._powers[:, 2])
+        self.works[3:5] += dt * np.sum(self._powers, axis=0)
         if rhs.loads.any:
             total, body = rhs.loads.at(t)
             for k, (load_, impulse) in enumerate(
                 ((total - body, self.traction), (body, self.body_force))
             ):
-                force = dt * cloud.V[:, None] * load_
+                force = dt * self._V[:, None] * load_
                 self.works[k] += np.sum(v * force)
                 impulse += _moments(force, geometry)
         held = rhs.essential.particles
         if len(held):
-            self._react(dt * cloud.V[held, None] * rhs.reaction, v[held], geometry[held])
+            self._react(dt * self._V[held, None] * rhs.reaction, v[held], geometry[held])
+
+    def kick(
+        self, state: State, p_start: Array, pushed: Array, dt: float, t: float
+    ) -> None:
+        """Add a step of one kick, from ``p_start (N, 3)`` to ``state.p`` at positions ``state.x``.
+
+        ``pushed (n, 3)`` are the momenta of the constrained particles before the conditions were
+        imposed.  What these add is the constraint's doing, and every force works with the mean
+        velocity of the step, so that the kinetic energy is accounted for exactly.
+        """
+        rhs, held = self._rhs, self._rhs.essential.particles
+        density = rhs.material.density
+        rhs.reaction += (state.p[held] - pushed) / dt
+        mean = state.but(p=0.5 * (p_start + state.p))
+        rhs.kinematic_gradient(mean.p, 1.0 / density, rhs.rates.F)
+        self.stage(mean, state.x, dt, t)
+        rhs.kinematic_gradient(p_start, 1.0 / density, rhs.rates.F)
 
     def impose(
         self, essential: EssentialConditions, state: State, t: float, weight: float
@@ -164,25 +175,10 @@ class Account:
         essential.impose(state.p, t)
         if len(held):
             p = state.p[held]
-            jump = weight * self._rhs.cloud.V[held, None] * (p - before)
+            jump = weight * self._V[held, None] * (p - before)
             self._react(jump, p / self._rhs.material.density, state.x[held])
 
     def _react(self, impulse: Array, v: Array, x: Array) -> None:
         self.works[2] += np.sum(impulse * v)
         self.reaction += impulse
         self.constraint += _moments(impulse, x)
-
-    def _dissipation(self) -> None:
-        # Evaluated again from the fine-scale stress and flux, not taken as what is left over.
-        rhs, q = self._rhs, self._rhs.secondary
-        if q is None or not isinstance(rhs.stabilisation, SUPG):
-            return
-        self._D_p[:] = 0.0
-        fine_scale.momentum_dissipation(
-            q.spreading, components(rhs.P_fine), components(self._D_p), rhs.scratch
-        )
-        if rhs.stabilisation.damps_J:
-            self._D_J[:] = 0.0
-            pressure.volume_dissipation(
-                q.spreading, components(rhs.flux), components(self._D_J), rhs.scratch
-            )
