@@ -20,6 +20,7 @@ from sphsolid.continuum.tensor import determinant, split
 from sphsolid.continuum.wave_speed import reference_p_wave_speed
 from sphsolid.defaults import default_initial_strain
 from sphsolid.describe import memory_bytes, plan, summary
+from sphsolid.errors import require
 from sphsolid.geometry.body import AS_MESHED, Spacing
 from sphsolid.options import Options, choose, discretised
 from sphsolid.record.checkpoint import checkpoint_of, put_back
@@ -126,10 +127,10 @@ class Simulation(BaseSimulation):
 
     def _right_hand_side(self) -> RightHandSide:
         options = (self.stabilisation, *self.terms)
-        fields = [field for option in options for field in option.fields]
-        return RightHandSide(
-            self._set_up, terms_of(options, self._set_up), [*self.formulation.fields, *fields]
-        )
+        fields = [*self.formulation.fields, *(f for option in options for f in option.fields)]
+        names = [field.name for field in fields]
+        require(len(names) == len({*names}), f"two fields have one name: {', '.join(names)}")
+        return RightHandSide(self._set_up, terms_of(options, self._set_up), fields)
 
     def _chosen_strain(self, asked: InitialStrain | None) -> InitialStrain:
         stated, adjoint = self.scene.states_deformation, self.cloud.is_adjoint

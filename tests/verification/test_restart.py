@@ -203,7 +203,7 @@ def test_other_sources_are_refused(saved: Path, monkeypatch: pytest.MonkeyPatch)
 def test_an_account_cannot_be_taken_up_where_none_was_kept(saved: Path) -> None:
     sim = column()
     sim.track_budget()
-    with pytest.raises(sph.InputError, match=r"no array 'account.*same recorders"):
+    with pytest.raises(sph.InputError, match=r"no array 'budget.*same recorders"):
         sim.restore(saved)
     column().restore(saved)
 

@@ -83,8 +83,8 @@ def test_other_files_are_refused(saved, fake_solver, tmp_path):
     refused(fake_solver(), tmp_path / "none.npz", "there is no checkpoint")
     np.savez(tmp_path / "other.npz", x=np.zeros(3))
     refused(fake_solver(), tmp_path / "other.npz", "not a checkpoint")
-    np.savez(tmp_path / "newer.npz", header=np.array('{"format": "sphsolid checkpoint 4"}'))
-    refused(fake_solver(), tmp_path / "newer.npz", "format 'sphsolid checkpoint 4'")
+    np.savez(tmp_path / "newer.npz", header=np.array('{"format": "sphsolid checkpoint 5"}'))
+    refused(fake_solver(), tmp_path / "newer.npz", "format 'sphsolid checkpoint 5'")
 
 
 def test_a_failed_write_leaves_the_old_file(saved, fake_solver):
