@@ -158,6 +158,7 @@ def tables(rows: list[Row]) -> Tables:
             "slope_P": mine[~momentum]["order_last"].min(),
             "p_x_17": at_17["error"].get("p_x"),
             "P_xx_17": at_17["error"].get("P_xx"),
+            "folded": bool(select(columns, variant=variant)["folded"].any()),
         }
         for cells, lattice in LATTICES.items():
             for one in select(columns, variant=variant, cells=cells).to_dict("records"):
@@ -166,7 +167,7 @@ def tables(rows: list[Row]) -> Tables:
         found.append(row)
     names = [
         "variant", "slope_p", "slope_P", "p_x_17", "P_xx_17", "twist_4x19x4", "energy_4x19x4",
-        "twist_6x31x6", "energy_6x31x6", "pressure_99_6x31x6",
+        "twist_6x31x6", "energy_6x31x6", "pressure_99_6x31x6", "folded",
     ]  # fmt: skip
     table = pd.DataFrame(found, columns=names)
     return {"table": table, "errors": errors, "orders": orders, "column": columns}

@@ -23,7 +23,16 @@ _FORMATS = [".2f"] * 2 + [".1e"] * 4
 
 
 def results_table(summary: pd.DataFrame) -> str:
-    """Markdown: worst slopes over all scenes and families, errors of two scenes at the finest h."""
+    """Markdown: worst slopes over all scenes and families, errors of two scenes at the finest h.
+
+    Raises ``InputError`` where the report lacks a run.
+    """
+    first = headline(summary)
+    missing = first["method"][first.isna().any(axis=1)].tolist()
+    require(
+        not missing,
+        f"summary.csv has not all of {', '.join(missing)}: run python -m studies.convergence",
+    )
     finest = summary[summary["nu"] == 0.3]["h_finest"].min()
     side = f"{1.0 / finest + 1.0:.0f}³"
     lines = [
@@ -31,7 +40,7 @@ def results_table(summary: pd.DataFrame) -> str:
         f"{side} | momentum, large strain, {side} | stress, large strain, {side} |",
         "|---|---|---|---|---|---|---|",
     ]
-    for name, *numbers in headline(summary).itertuples(index=False):
+    for name, *numbers in first.itertuples(index=False):
         label = f"**{name}**" if name == PACKAGE.name else name
         cells = [f"{number:{form}}" for number, form in zip(numbers, _FORMATS, strict=True)]
         lines.append("| " + " | ".join([label, *cells]) + " |")

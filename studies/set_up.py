@@ -79,8 +79,8 @@ def tables(rows: list[Row]) -> Tables:
 
 
 def words(tables: Tables) -> Mapping[str, Any]:
-    """How far particles are moved."""
-    return {"moved": JITTER / 2.0}
+    """How far particles are moved, and from how many on an operator is kept."""
+    return {"moved": JITTER / 2.0, "kept": operator_cache.LEAST_PARTICLES}
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:

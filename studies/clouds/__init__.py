@@ -118,7 +118,6 @@ ORDERS = {
 }
 
 
-# ------------------------------------------------------------------------------------- cases
 def _cube(
     cloud: str, level: int, operator: str, settings: Sequence[Setting], variant: str = ""
 ) -> Case:
@@ -237,7 +236,6 @@ def warm_up(options: argparse.Namespace) -> list[Case]:
     ]
 
 
-# ------------------------------------------------------------------------------------ tables
 def tables(rows: list[Row]) -> Tables:
     """``table``: an error a row; ``levels``: errors and slopes; and the other kinds of rows."""
     made = {
@@ -300,7 +298,6 @@ def with_slopes(budget: pd.DataFrame) -> pd.DataFrame:
     return budget.assign(slope=fell / shorter)
 
 
-# ------------------------------------------------------------------------------------ claims
 def claims(tables: Tables) -> list[Claim]:
     """What was asked of the operators; of clouds that nothing was asked of the numbers alone."""
     plain = unvaried(tables["levels"])
@@ -390,7 +387,6 @@ def _kept(frame: pd.DataFrame) -> Iterator[Claim]:
             yield Claim(what, math.nan, "<=", DRIFT, where=f"{row.shape}, {row.cloud}")
 
 
-# ----------------------------------------------------------------------------------- figures
 def _look(operator: str) -> dict[str, Any]:
     white = {"markerfacecolor": "white"} if operator == "Literal" else {}
     return OPERATORS[operator].look | white
@@ -514,6 +510,12 @@ def words(tables: Tables) -> Mapping[str, Any]:
     }  # fmt: skip
 
 
+def summary(tables: Tables) -> str:
+    """Errors and slopes of every level, without the variants."""
+    frame = unvaried(tables["levels"]).drop(columns=["variant", "mean_slope_P"])
+    return frame.to_string(index=False, float_format=lambda value: f"{value:.3g}")
+
+
 def arguments(parser: argparse.ArgumentParser) -> None:
     """``--cloud``, ``--finest``, ``--both-families``."""
     parser.add_argument(
@@ -545,6 +547,7 @@ STUDY = Study(
     shown=("orders_manufactured_pF",),
     words=words,
     text=Path(__file__).with_name("clouds.md"),
+    summary=summary,
     arguments=arguments,
     warm_up=warm_up,
     description="Operators on lattices, disorder, tetrahedra, mesh files and points.",

@@ -33,7 +33,6 @@ class Instance:
 class Generated:
     """A cube that can be made at any spacing; ``jitter`` as of ``Box``, or tetrahedra."""
 
-    text: str
     jitter: float = 0.0
     tetrahedra: bool = False
 
@@ -55,7 +54,6 @@ class Generated:
 class Filed:
     """A cube from a mesh file, and its uniform refinements."""
 
-    text: str
     path: str
 
     @cached_property
@@ -81,7 +79,6 @@ class Filed:
 class Bare:
     """Points in a file and the closed surface around them: one level."""
 
-    text: str
     points: str
     surface: str = ""
 
@@ -116,12 +113,12 @@ def cloud_of(text: str) -> Cloud:
     kind, _, rest = text.partition(":")
     where = f"--cloud {text!r}"
     if kind in ("lattice", "tet") and ":" not in text:
-        return Generated(text, tetrahedra=kind == "tet")
+        return Generated(tetrahedra=kind == "tet")
     if kind == "jitter":
-        return Generated(text, jitter=_amount(where, rest))
+        return Generated(jitter=_amount(where, rest))
     if kind in ("hex", "tet"):
         require(rest != "", f"{where}: a file is wanted after {kind}:")
-        filed = Filed(text, rest)
+        filed = Filed(rest)
         _check_cube(where, MeshFile(_found(rest)), HexMesh if kind == "hex" else TetMesh)
         return filed
     if kind == "points":
@@ -130,7 +127,7 @@ def cloud_of(text: str) -> Cloud:
             names[0] != "" and len(names) <= 2 and names[-1] != "",
             f"{where}: wanted is points:FILE or points:FILE,SURFACE",
         )
-        bare = Bare(text, *names)
+        bare = Bare(*names)
         _check_cube(where, bare.body, TetMesh)
         return bare
     raise InputError(f"{where} is not a cloud; choose one of {KINDS}")

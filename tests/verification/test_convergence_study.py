@@ -10,6 +10,7 @@ from pathlib import Path
 import pandas as pd
 import pytest
 
+from sphsolid.errors import InputError
 from studies import convergence
 from studies.engine.results import Results, read_results
 from studies.engine.sources import ROOT
@@ -79,7 +80,10 @@ def test_the_first_table_has_the_methods_in_the_order_of_their_meaning(results: 
     assert first["method"].tolist()[:2] == ["package default", "paper"]
     assert first["method"].iloc[-1] == "B-bar FEM"
     assert first.notna().all(axis=None)
-    assert "| **package default** |" in results_table(results.tables["summary"])
+    summary = results.tables["summary"]
+    assert "| **package default** |" in results_table(summary)
+    with pytest.raises(InputError, match="has not all of paper: run"):
+        results_table(summary[(summary["method"] != "paper") | (summary["scene"] == "linear")])
 
 
 def test_claims_are_of_the_worst_run_and_fall_with_the_numbers(results: Results) -> None:
