@@ -36,6 +36,7 @@ from studies.measures.scattered_noise import REACH, scattered_noise
 from studies.measures.tables import select
 from studies.methods import PACKAGE, UNSTABILISED, Method
 from studies.pictures.frame import Absent
+from studies.pictures.panels import Layout
 from studies.pictures.picture import Panel, Percentile, Picture, Plan, keeping
 from studies.pictures.shots import SaveShots, ShotFolder
 from studies.pictures.view import flat_view
@@ -172,7 +173,7 @@ def run_case(
     """A row ``kind = run`` and one ``instant`` every half millisecond; diverging is a result."""
     spacing = 1.0 / cells
     body, asked = body_of(cloud, spacing=spacing, seed=seed)
-    sim = method.simulation(punch(body=body), spacing=asked)  # type: ignore[arg-type]
+    sim = method.simulation(punch(body=body), spacing=asked)
     folder = ShotFolder(Path(shots))
     folder.clear(key)
     record: list[Recorder] = [Noise(spacing), SaveShots(folder, key, key, times=(until,))]
@@ -312,10 +313,11 @@ def _plan(cells: int, tables: Tables) -> Plan:
 
 PICTURES = {
     f"pressure_{cells}": Picture(
-        partial(_plan, cells), "pressure", Percentile(), flat_view(right="x", up="z")
+        partial(_plan, cells), "pressure", Percentile(), flat_view(right="x", up="z"),
+        layout=Layout(dpi=100),
     )
     for cells in LEVELS
-}
+}  # fmt: skip
 
 
 def words(tables: Tables) -> Mapping[str, Any]:

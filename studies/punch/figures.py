@@ -61,7 +61,7 @@ def noise_figure(results: Results) -> Figure:
             points = [(tau, run["noise_mean"].iloc[0]) for tau, run in found if len(run)]
             if points:
                 above.plot(*zip(*points, strict=True), label=label, **look)
-        above.set(title=f"{reading.name}: mean of 0.5 to 15 ms", xlabel="τ_p / dt [-]")
+        above.set(title=f"{reading.name}: mean of 0.5 to 15 ms", xlabel="tau_p / dt [-]")
         for method in (CLASSICAL, GALERKIN, H6_NO_TAU_P, H6, H1, PACKAGE, B_BAR):
             _over_time(below, results, reading, method, "noise")
         below.set(title=f"{reading.name}: over time", xlabel="time [ms]")
@@ -76,9 +76,9 @@ def _families() -> Iterator[tuple[str, dict[float, Method], Any, dict[str, Any]]
     open_ones = {"markerfacecolor": "white"}
     paper = "paper, {p,F,J} H1"
     yield PACKAGE.name, DEFAULTS, CONSISTENT, PACKAGE.look
-    yield f"{paper}, τ_F = dt", WITH_TAU_F, CONSISTENT, H1.look
-    yield f"{paper}, τ_F = dt, as printed", WITH_TAU_F, LITERAL, H1.look | {"linestyle": ":"}
-    yield f"{paper}, τ_F = 0", WITHOUT_TAU_F, CONSISTENT, H1.look | open_ones
+    yield f"{paper}, tau_F = dt", WITH_TAU_F, CONSISTENT, H1.look
+    yield f"{paper}, tau_F = dt, as printed", WITH_TAU_F, LITERAL, H1.look | {"linestyle": ":"}
+    yield f"{paper}, tau_F = 0", WITHOUT_TAU_F, CONSISTENT, H1.look | open_ones
     yield H6.name, {0.0: H6_NO_TAU_P, 0.1: H6}, CONSISTENT, H6.look
     yield WIDE.name, {0.0: WIDE_NO_TAU_P, 0.1: WIDE}, CONSISTENT, H6.look | open_ones
 
