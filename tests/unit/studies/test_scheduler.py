@@ -25,7 +25,7 @@ def cluster():
     with (
         dask.config.set({"distributed.scheduler.allowed-failures": 1}),
         distributed.LocalCluster(
-            n_workers=2, threads_per_worker=1, processes=True, dashboard_address=None,
+            n_workers=2, threads_per_worker=1, processes=True, dashboard_address=":0",
             silence_logs=50,
         ) as made,
     ):  # fmt: skip
@@ -79,7 +79,7 @@ def test_cases_go_side_by_side(cluster, tmp_path):
 def test_wrong_clusters_are_refused_in_one_line(tmp_path, capsys):
     fake = study_of([power(0.5)], tmp_path)
     with distributed.LocalCluster(
-        n_workers=1, threads_per_worker=2, processes=False, dashboard_address=None, silence_logs=50
+        n_workers=1, threads_per_worker=2, processes=False, dashboard_address=":0", silence_logs=50
     ) as threaded:
         assert main(fake, on(threaded, tmp_path)) == 2
     assert "--nthreads 1" in capsys.readouterr().err
