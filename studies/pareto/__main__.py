@@ -1,3 +1,5 @@
+"""``python -m studies.pareto``."""
+
 from studies.engine.study import run_study
 from studies.pareto import STUDY
 

@@ -1,3 +1,5 @@
+"""``python -m studies.speed``."""
+
 from studies.engine.study import run_study
 from studies.speed import STUDY
 
