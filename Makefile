@@ -3,6 +3,7 @@
 #   make convergence ARGS=...     pass options on, e.g. ARGS="--resume --jobs 4"
 #   make quick                    the same in its short form     -> out/convergence-quick/
 #   make scenes                   the paper's other scenes and the stability study -> reports/
+#   make reports-status           which reports are older than the code
 #   make test                     lint, types, tests: what CI runs
 PYTHON ?= python3
 VENV   := .venv
@@ -10,7 +11,7 @@ BIN    := $(VENV)/bin
 ARGS   ?=
 PIP    := $(BIN)/python -m pip install --quiet --disable-pip-version-check
 
-.PHONY: help convergence quick scenes test lint clean
+.PHONY: help convergence quick scenes reports-status test lint clean
 
 help:
 	@sed -n 's/^#  *\(make .*\)/\1/p' Makefile
@@ -24,6 +25,9 @@ quick: $(VENV)/.installed-report
 scenes: $(VENV)/.installed-report
 	for study in twisting_column conservation punch known_answers stability; do \
 	  $(BIN)/python -m studies.$$study $(ARGS) || exit 1; done
+
+reports-status: $(VENV)/.installed-report
+	$(BIN)/python -m studies.engine.status
 
 test: lint
 	$(BIN)/python -m pytest -m "not slow" --numprocesses auto --maxprocesses 4 --dist worksteal $(ARGS)

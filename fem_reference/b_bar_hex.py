@@ -26,7 +26,7 @@ from skfem import MeshHex
 
 from fem_reference.assembly import NodeIncidence
 from fem_reference.b_bar_kernels import element_energies, element_forces, mean_jacobians
-from fem_reference.element import CentroidStress, lost_element, mixed_stress
+from fem_reference.element import CentroidStress, first_invalid, mixed_stress
 from fem_reference.hex_maps import hex_maps
 from fem_reference.hex_quadrature import hex_quadrature
 from fem_reference.lanes import LANES, blocks, one_by_one, side_by_side
@@ -124,11 +124,11 @@ class BBarHexElements:
         return float(np.min(self.quadrature.length * shrinkage))
 
     def invalid_element(self) -> int:
-        """First element that is lost at the last force, or -1.
+        """First element that is invalid at the last force, or -1.
 
-        Lost: ``J <= 0`` or ``nan`` at a Gauss point, or a stretch below ``THINNEST``.
+        Invalid: ``J <= 0`` or ``nan`` at a Gauss point, or a stretch below ``THINNEST``.
         """
-        return lost_element(self._smallest_jacobian, self._shrinkage)
+        return first_invalid(self._smallest_jacobian, self._shrinkage)
 
     def centre(self, element: int) -> Array:
         """Undeformed centre ``(3,)`` [m] of an element."""

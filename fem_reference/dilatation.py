@@ -92,7 +92,7 @@ class LumpedMass:
 def _sweep(start, columns, entries, row_sums, moments, theta, better):  # type: ignore[no-untyped-def]
     """``better = theta + D^-1 (moments - M theta)``."""
     for a in prange(theta.shape[0]):
-        rest = moments[a]
+        residual = moments[a]
         for k in range(start[a], start[a + 1]):
-            rest -= entries[k] * theta[columns[k]]
-        better[a] = theta[a] + rest / row_sums[a]
+            residual -= entries[k] * theta[columns[k]]
+        better[a] = theta[a] + residual / row_sums[a]

@@ -14,6 +14,7 @@ from sphsolid.continuum import law
 from sphsolid.continuum.tensor import axpy, cofactor, determinant, join, split
 from sphsolid.continuum.wave_speed import THINNEST
 from sphsolid.geometry.mesh import HexMesh
+from sphsolid.protocols import check_protocol
 
 Array = NDArray[np.float64]
 
@@ -39,7 +40,7 @@ def mixed_stress(material: Any, F: Array, J: Array) -> CentroidStress:
     return CentroidStress(F, J, np.ascontiguousarray(join(P)))
 
 
-def lost_element(smallest_J: Array, shrinkage: Array) -> int:
+def first_invalid(smallest_J: Array, shrinkage: Array) -> int:
     """First element with ``J <= 0`` or ``nan``, or with a stretch below ``THINNEST``; else -1."""
     jacobian, stretch = smallest_J.ravel(), shrinkage.ravel()
     # argmin stops at the first nan, and a comparison with nan is False.
@@ -127,3 +128,12 @@ class Element(Protocol):
     def discretise(self, *, mesh: HexMesh, sk: MeshHex, material: Any) -> Elements:
         """Elements of ``mesh`` (``sk`` is the same mesh in scikit-fem) made of ``material``."""
         ...
+
+
+def check_element(element: object) -> None:
+    """Raise ``InputError`` unless ``element`` keeps the protocol."""
+    check_protocol(
+        "element", element, ("name", "cell_size", "discretise"),
+        "it is no element technology: use BBarHex() or TaylorHoodHex(), or see "
+        "docs/how_to_add/element.md",
+    )

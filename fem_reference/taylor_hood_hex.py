@@ -35,7 +35,7 @@ from skfem import ElementHex2, MeshHex
 
 from fem_reference.assembly import NodeIncidence
 from fem_reference.dilatation import ConsistentMass, Dilatation
-from fem_reference.element import CentroidStress, lost_element, mixed_stress
+from fem_reference.element import CentroidStress, first_invalid, mixed_stress
 from fem_reference.grid_mass import grid_of
 from fem_reference.hex_maps import hex_maps
 from fem_reference.hex_quadrature import brick_edges, hex_quadrature
@@ -51,6 +51,8 @@ from fem_reference.quadratic_tables import (
     step_share,
 )
 from fem_reference.taylor_hood_kernels import (
+    Fields,
+    Forces,
     dilatation_moments,
     element_forces,
     isochoric_energies,
@@ -177,15 +179,11 @@ class TaylorHoodElements:
         theta = self.dilatation(x)
         element_forces(
             self.material,
-            x,
-            theta,
-            self._pressure(theta),
+            Fields(x, theta, self._pressure(theta)),
             self._node_lanes,
             self._corner_lanes,
             self._maps,
-            self._smallest_jacobian,
-            self._shrinkage,
-            self._element_force,
+            Forces(self._smallest_jacobian, self._shrinkage, self._element_force),
         )
         self._at_nodes.gather(self._element_force, force)
 
@@ -199,11 +197,11 @@ class TaylorHoodElements:
         return float(np.min(self._length * one_by_one(self._shrinkage, self.count)))
 
     def invalid_element(self) -> int:
-        """First element that is lost at the last force, or -1.
+        """First element that is invalid at the last force, or -1.
 
-        Lost: ``J <= 0`` or ``nan`` at a Gauss point, or a stretch below ``THINNEST``.
+        Invalid: ``J <= 0`` or ``nan`` at a Gauss point, or a stretch below ``THINNEST``.
         """
-        return lost_element(self._smallest_jacobian, self._shrinkage)
+        return first_invalid(self._smallest_jacobian, self._shrinkage)
 
     def centre(self, element: int) -> Array:
         """Undeformed centre ``(3,)`` [m] of an element."""

@@ -6,7 +6,10 @@ reference maps.  Corner fields are numbered ``i + 2 j + 4 k``.
 
 from __future__ import annotations
 
+from typing import Any, NamedTuple
+
 import numpy as np
+from numpy.typing import NDArray
 
 from fem_reference.hex_maps import are_distorted, pulled, pushed, volume
 from fem_reference.lanes import LANES, choose, fill, gather_nodes, pick, put
@@ -23,6 +26,8 @@ from sphsolid.continuum import law
 from sphsolid.continuum.tensor import axpy, cofactor, contract, determinant
 from sphsolid.continuum.wave_speed import smallest_stretch
 
+Array = NDArray[Any]
+
 # Rows of the scratch array.  Derivatives come first and the rest stands clear of them, so that
 # the tests for overlap, which LLVM puts before a loop whose rows are not known, always pass.
 _POINTS = 0
@@ -37,6 +42,22 @@ _THINNEST = _LEAST + 3
 _REFERENCE = _THINNEST + 9
 _BRICK_SCRATCH = _REFERENCE
 _SCRATCH = _REFERENCE + 3 * ROWS
+
+
+class Fields(NamedTuple):
+    """What forces are made of: positions of the nodes, dilatation and pressure at the corners."""
+
+    x: Array
+    theta: Array
+    pressure: Array
+
+
+class Forces(NamedTuple):
+    """What :func:`element_forces` writes."""
+
+    smallest_J: Array
+    shrinkage: Array
+    force: Array
 
 
 @inlined
@@ -120,15 +141,15 @@ def dilatation_moments(x, nodes, maps, excess):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def element_forces(  # type: ignore[no-untyped-def]
-    material, x, theta, pressure, nodes, corners, maps, smallest_J, shrinkage, force
-):
+def element_forces(material, fields, nodes, corners, maps, found):  # type: ignore[no-untyped-def]
     """Node forces ``force (B, 81, LANES)`` [N], row ``3 n + i``.
 
     ``theta - 1 (Nc,)`` and ``pressure (Nc,)`` [Pa] at the corners.  ``smallest_J (B, LANES)``;
     ``shrinkage (B, LANES)`` is ``lambda / max(1, s theta)``, ``lambda`` the smallest principal
     stretch and ``s = sqrt(max(1, U''(theta) / kappa))``.
     """
+    x, theta, pressure = fields
+    smallest_J, shrinkage, force = found
     for b in prange(nodes.shape[0]):
         w = np.empty((_SCRATCH if are_distorted(maps) else _BRICK_SCRATCH, LANES))
         _strains(x, nodes, maps, b, w)
@@ -195,8 +216,8 @@ def remainder_moments(material, theta, nodes, corners, maps, moments):  # type: 
             for lane in range(LANES):
                 A = _at(w, _REFERENCE, g, lane)
                 e = w[_THETA + g, lane]
-                rest = law.volumetric_pressure(material, 1.0 + e) - kappa * e
-                w[_THETA + g, lane] = volume(maps, share, A) * rest
+                beyond = law.volumetric_pressure(material, 1.0 + e) - kappa * e
+                w[_THETA + g, lane] = volume(maps, share, A) * beyond
         corner_moments(w, _THETA, _CORNERS, _OWN)
         for c in range(8):
             for lane in range(LANES):
@@ -216,6 +237,6 @@ def remainder_energies(material, theta, nodes, corners, maps, energies):  # type
             for g in range(27):
                 A = _at(w, _REFERENCE, g, lane)
                 e = w[_THETA + g, lane]
-                rest = law.volumetric_energy(material, 1.0 + e) - 0.5 * kappa * e * e
-                total += volume(maps, maps.weights[g], A) * rest
+                beyond = law.volumetric_energy(material, 1.0 + e) - 0.5 * kappa * e * e
+                total += volume(maps, maps.weights[g], A) * beyond
             energies[b, lane] = total

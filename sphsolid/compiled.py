@@ -32,7 +32,8 @@ _COMPILED_PACKAGES = ("sphsolid", "fem_reference")
 _NOT_COMPILED = (
     "sphsolid/continuum/check_law.py", "sphsolid/geometry/", "sphsolid/scenes/",
     "sphsolid/record/", "sphsolid/simulation.py", "sphsolid/defaults.py", "sphsolid/describe.py",
-    "sphsolid/recommendation.py", "sphsolid/paths.py",
+    "sphsolid/recommendation.py", "sphsolid/paths.py", "sphsolid/protocols.py", "sphsolid/run/",
+    "sphsolid/options.py", "sphsolid/sph_snapshot.py",
 )  # fmt: skip
 
 

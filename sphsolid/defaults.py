@@ -42,13 +42,10 @@ from sphsolid.errors import InputError
 from sphsolid.geometry.mesh import Mesh
 from sphsolid.scheme.formulation import Formulation
 from sphsolid.scheme.initial_strain import Compatible, Equilibrated, Given, InitialStrain
+from sphsolid.scheme.integrator import Integrator as Integrator
 from sphsolid.scheme.intrinsic_time import OfMesh, OfStep
 from sphsolid.scheme.position_verlet import PositionVerlet
-from sphsolid.scheme.ssp_rk3 import SSPRK3
 from sphsolid.scheme.stabilisation import SUPG, SelfAdjoint
-from sphsolid.scheme.tvd_rk2 import TVDRK2
-
-Integrator = TVDRK2 | SSPRK3 | PositionVerlet
 
 #: Smoothing length over spacing (Wendland C2: support 1.54, 1.8 and 2 spacings).
 H_OVER_DX_LATTICE = 0.77
@@ -59,8 +56,6 @@ H_OVER_DX_WIDE = 1.3
 
 #: Poisson's ratio from which ``tau_p`` is used.
 NEARLY_INCOMPRESSIBLE = 0.49
-
-_CFL = {TVDRK2: 0.3, SSPRK3: 0.5, PositionVerlet: 0.7}
 
 #: Share of the limit that ``cfl="auto"`` takes: limits are those of a body at rest.
 MARGIN = 0.9
@@ -85,7 +80,7 @@ def default_integrator() -> Integrator:
 
 def default_cfl(integrator: Integrator) -> float:
     """CFL number of an integrator; 0.3 is the paper's for its own."""
-    return _CFL[type(integrator)]
+    return integrator.usual_cfl
 
 
 def default_operator(mesh: Mesh) -> OperatorKind:

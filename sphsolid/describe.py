@@ -3,18 +3,19 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from sphsolid.cloud.cloud import Secondary
 from sphsolid.cloud.lengths import Local
 from sphsolid.compiled import description
 from sphsolid.defaults import NotTabulated, stability_limit
 from sphsolid.recommendation import NotMeasured
 from sphsolid.scenes.stated_deformation import NOT_USED
-from sphsolid.scheme.initial_strain import Compatible
-from sphsolid.scheme.intrinsic_time import IntrinsicTime, OfStep, Units
-from sphsolid.scheme.stabilisation import SUPG
+from sphsolid.scheme.intrinsic_time import Units
+from sphsolid.scheme.stages import Stages
 
 if TYPE_CHECKING:
     from sphsolid.simulation import Simulation
@@ -39,7 +40,8 @@ def plan(sim: Simulation) -> str:
         *(f"doubtful       {doubt}" for doubt in sim.doubts),
         "fields         p, x" + (", F" if f.evolves_F else " (F from the geometry)")
         + (", H" if f.evolves_H else " (H = cof F)")
-        + (", J" if f.evolves_J else " (J = det F)"),
+        + (", J" if f.evolves_J else " (J = det F)")
+        + "".join(f", {name}" for name in sim._state if name not in "pxFHJ"),
         "initial strain " + type(sim.initial_strain).__name__ + _ignored(sim),
         "projection     " + type(sim.angular_momentum).__name__,
         "stabilisation  " + _stabilisation(sim),
@@ -89,7 +91,7 @@ def _material(sim: Simulation) -> str:
 
 
 def _ignored(sim: Simulation) -> str:
-    unused = sim.scene.states_deformation and isinstance(sim.initial_strain, Compatible)
+    unused = sim.scene.states_deformation and not sim.initial_strain.uses_stated
     return f"; {NOT_USED}" if unused else ""
 
 
@@ -115,44 +117,36 @@ def _limit(sim: Simulation) -> str:
 
 
 def _stabilisation(sim: Simulation) -> str:
-    s = sim.stabilisation
-    if not isinstance(s, SUPG) or sim.secondary is None:
-        return "none: no secondary particles are made"
     units = Units(sim._time_step.crossing, sim._time_step.reference)
-    times = [
-        _time(name, time, units)
-        for name, time in s.intrinsic_times.items()
-        if time.c > 0.0 or name in ("tau_F", "tau_p")
-    ]
-    return (
-        f"{s.name}, {type(s.fine_scale).__name__}, " + ", ".join(times)
-        + ("" if s.damps_J else " (no R_p pass)")
-        + f", xi_F {s.xi_F:g}, {type(s.weighting).__name__}; {len(sim.secondary.X)} secondary "
-        f"particles, {sim.secondary.sampling.mean_neighbours:.1f} neighbours"
-    )
-
-
-def _time(name: str, time: IntrinsicTime, units: Units) -> str:
-    if time.c == 0.0:
-        return f"{name} 0"
-    at = " undeformed" if isinstance(time, OfStep) else ""
-    return f"{name} {time.c:.4g} {time.unit} = {time.seconds(units):.4g} s{at}"
+    lines = [term.description(units) for term in sim._rhs.terms]
+    return "; ".join(lines) or "none: no secondary particles are made"
 
 
 def memory_bytes(sim: Simulation) -> int:
     """Bytes of all arrays that live during a run."""
-    owners: list[Any] = [sim.cloud, sim.state]
-    owners += [sim._rhs, sim._rhs.rates, sim._stepper, sim._stepper.work]
-    if sim.secondary is not None:
-        owners.append(sim.secondary)
-    seen: dict[int, int] = {}
+    rhs = sim._rhs
+    owners = [sim.cloud, rhs, rhs.operator, sim._stepper, *rhs.terms]
+    held = [*sim.state.values(), *rhs.rates.values()]
     for owner in owners:
-        for value in vars(owner).values():
-            for array in value if isinstance(value, (list, tuple)) else [value]:
-                if isinstance(array, np.ndarray):
-                    base = array if array.base is None else array.base
-                    seen[id(base)] = getattr(base, "nbytes", array.nbytes)
+        held += _arrays(list(vars(owner).values()))
+    seen: dict[int, int] = {}
+    for array in held:
+        base = array if array.base is None else array.base
+        seen[id(base)] = getattr(base, "nbytes", array.nbytes)
     return sum(seen.values())
+
+
+def _arrays(values: Sequence[Any]) -> list[Any]:
+    """The arrays among ``values``, also within sequences and what belongs to a term or stepper."""
+    found: list[Any] = []
+    for value in values:
+        if isinstance(value, np.ndarray):
+            found.append(value)
+        elif isinstance(value, list | tuple):
+            found += _arrays(value)
+        elif isinstance(value, Secondary | Stages):
+            found += _arrays(list(vars(value).values()))
+    return found
 
 
 def summary(sim: Simulation) -> str:

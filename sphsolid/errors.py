@@ -1,4 +1,4 @@
-"""How this package says no: bad input before a run, a lost solution or folded positions in one."""
+"""How this package says no: bad input before a run, divergence or folded positions in it."""
 
 from __future__ import annotations
 

@@ -1,8 +1,8 @@
 """Animations: the frames of one run, or of several methods beside each other, as a GIF.
 
 ``python -m studies.animation --shots <out>/shots --key <case> [--key <case>] --gif out/run.gif``
-reads stored frames, ``python -m studies.animation --scene twisting_column`` runs a scene first.
-The same frames give the same bytes.
+reads the frames of a study, ``python -m studies.animation --scene twisting_column`` runs a scene
+first.  The same frames give the same bytes.
 """
 
 from __future__ import annotations
@@ -17,15 +17,16 @@ from typing import Any
 import numpy as np
 from PIL import Image
 
-import fem_reference as fem
-import sphsolid as sph
 from sphsolid import scenes
-from sphsolid.errors import Diverged, InputError, require
+from sphsolid.errors import InputError, require
+from studies.engine.case import write_atomically
+from studies.measures.run import run
+from studies.methods import B_BAR, METHODS, PACKAGE, Method, method
 from studies.pictures.colours import LOOKS, ColourRange, limits
 from studies.pictures.panels import SURFACE, WHOLE, Layout, Sheet, check_grid, flat
-from studies.pictures.shots import CELL, Frame, Lost, Shot, ShotFolder, take_shot, write_whole
-from studies.pictures.surface import Drawing
-from studies.pictures.view import Around, View, Window, angled_view, flat_view
+from studies.pictures.shots import CELL, Frame, SaveShots, Shot, ShotFolder
+from studies.pictures.surface import Surface
+from studies.pictures.view import Around, View, angled_view, flat_view
 
 #: Small: a GIF is to be looked at in a browser.
 SMALL = Layout(width=4.0, height=4.5, dpi=95)
@@ -37,14 +38,32 @@ _VIEWS = {
 }
 
 
+def film(
+    folder: ShotFolder, scene: scenes.Scene, methods: Sequence[Method], *, spacing: float,
+    every: float, times: Sequence[float] = (),
+) -> None:  # fmt: skip
+    """Run ``methods`` to the end of ``scene`` and keep their frames by name.
+
+    Records are ``every`` [s], and frames are kept of those at ``times`` [s], or of all.
+    """
+    for each in methods:
+        folder.clear(each.name)
+        solver = each.simulation(scene, spacing=spacing)
+        record = [SaveShots(folder, each.name, each.name, times=times)]
+        ran = run(solver, until=scene.end_time, every=every, record=record)
+        if ran.diverged is not None:
+            folder.save_diverged(each.name, each.name, ran.diverged)
+        print(solver.summary(), flush=True)
+
+
 def write_gif(
     frames: Sequence[Shot] | Sequence[Sequence[Frame]],
     path: Path,
     *,
     colours: ColourRange,
     view: View = _VIEWS["y-up"],
-    window: Window | Around = WHOLE,
-    drawing: Drawing = SURFACE,
+    window: Around = WHOLE,
+    drawing: Surface = SURFACE,
     layout: Layout = SMALL,
     per_second: float = 10.0,
     hold: float = 1.0,
@@ -62,32 +81,24 @@ def write_gif(
     )
     rows = [[frame] if isinstance(frame, Frame) else list(frame) for frame in frames]
     check_grid(rows)
-    shots = [frame for frame in flat(rows) if isinstance(frame, Shot)]
+    positions = [frame.x for frame in flat(rows) if isinstance(frame, Shot)]
     sheet = Sheet(
-        rows[-1:],
-        colours=colours,
-        view=view,
-        window=window.of([shot.x for shot in shots], view),
-        drawing=drawing,
-        layout=layout,
-    )
-    pictures = [_picture(sheet, row) for row in rows]
-    durations = [round(1e3 / per_second)] * len(pictures)
-    durations[-1] += round(1e3 * hold)
+        rows[-1:], colours=colours, view=view, window=window.of(positions, view),
+        drawing=drawing, layout=layout,
+    )  # fmt: skip
     palette = _palette(colours)
     # No dithering: it would flicker, and not compress.
-    indexed = [p.quantize(palette=palette, dither=Image.Dither.NONE) for p in pictures]
+    pictures = [
+        _picture(sheet, row).quantize(palette=palette, dither=Image.Dither.NONE) for row in rows
+    ]
+    durations = [round(1e3 / per_second)] * len(pictures)
+    durations[-1] += round(1e3 * hold)
     buffer = io.BytesIO()
-    indexed[0].save(
-        buffer,
-        format="GIF",
-        save_all=True,
-        append_images=indexed[1:],
-        duration=durations,
-        loop=0,
-        optimize=False,
-    )
-    write_whole(path, buffer.getvalue())
+    pictures[0].save(
+        buffer, format="GIF", save_all=True, append_images=pictures[1:], duration=durations,
+        loop=0, optimize=False,
+    )  # fmt: skip
+    write_atomically(path, buffer.getvalue())
     return path
 
 
@@ -117,10 +128,11 @@ def main(argv: Sequence[str] | None = None) -> int:
     """The command line; returns 0, or 2 for wrong input."""
     options = _parser().parse_args(argv)
     try:
-        rows = _stored(options) if options.shots else _run(options)
-        view = _VIEWS[options.view]
+        if options.shots is None:
+            _run(options)
+        rows = _stored(ShotFolder(options.shots), options.key)
         colours = limits(rows, field=options.field, percentile=options.percentile)
-        path = write_gif(rows, options.gif, colours=colours, view=view)
+        path = write_gif(rows, options.gif, colours=colours, view=_VIEWS[options.view])
     except InputError as error:
         print(f"error: {error}", file=sys.stderr)
         return 2
@@ -133,6 +145,9 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--scene", default="twisting_column", help="scene to run (%(default)s)")
     parser.add_argument("--cells", type=float, default=5.0, help="cells per metre (%(default)g)")
     parser.add_argument("--frames", type=int, default=40, help="pictures (%(default)s)")
+    parser.add_argument(
+        "--method", action="append", choices=list(METHODS), help="to run (repeat for more)"
+    )
     parser.add_argument("--shots", type=Path, help="read stored frames from this folder instead")
     parser.add_argument("--key", action="append", default=[], help="case to show (repeat for more)")
     parser.add_argument("--field", choices=list(LOOKS), default=CELL + "pressure")
@@ -142,52 +157,26 @@ def _parser() -> argparse.ArgumentParser:
     return parser
 
 
-def _stored(options: argparse.Namespace) -> list[list[Frame]]:
-    folder = ShotFolder(options.shots)
-    require(len(options.key) > 0, "animation: say which case to show with --key")
-    columns: list[list[Shot]] = [folder.load_all(key) for key in options.key]
-    # A method that was lost has fewer frames: the others go on without it.
-    times = max(([shot.time for shot in column] for column in columns), key=len)
-    return [[folder.load(key, time) for key in options.key] for time in times]
-
-
-def _run(options: argparse.Namespace) -> list[list[Frame]]:
+def _run(options: argparse.Namespace) -> None:
+    """Run the scene that was asked for; its frames are then what is shown."""
     make = getattr(scenes, options.scene, None)
     require(callable(make), f"animation: sphsolid.scenes has no scene {options.scene!r}")
     require(options.frames > 0, f"animation: --frames {options.frames} must be positive")
     scene = make()  # type: ignore[misc]
     require(isinstance(scene, scenes.Scene), f"animation: {options.scene!r} is no scene")
-    spacing = 1.0 / options.cells
-    solvers: dict[str, sph.Simulation | fem.Simulation] = {
-        "SUPG-SPH {p,F,J}": sph.Simulation(
-            scene, spacing=spacing, formulation=sph.PFJ(), stabilisation=sph.SUPG(tau_p=0.1)
-        ),
-        "B-bar FEM": fem.Simulation(scene, spacing=spacing),
-    }
-    rows: list[list[Frame]] = [[take_shot(s.snapshot(), name) for name, s in solvers.items()]]
-    for k in range(1, options.frames + 1):
-        time = k * scene.end_time / options.frames
-        rows.append(
-            [
-                _next(solver, name, time, last)
-                for (name, solver), last in zip(solvers.items(), rows[-1], strict=True)
-            ]
-        )
-        print(f"{k} of {options.frames} pictures", flush=True)
-    return rows
+    methods = [method(name) for name in options.method or (PACKAGE.name, B_BAR.name)]
+    options.shots, options.key = Path("out", "animation"), [each.name for each in methods]
+    film(
+        ShotFolder(options.shots), scene, methods, spacing=1.0 / options.cells,
+        every=scene.end_time / options.frames,
+    )  # fmt: skip
 
 
-def _next(
-    solver: sph.Simulation | fem.Simulation, label: str, time: float, last: Frame
-) -> Frame:
-    """The frame at ``time`` [s], unless the solution is lost, or was."""
-    if isinstance(last, Lost):
-        return Lost(label, time, last.lost_at)
-    try:
-        solver.run(until=time)
-    except Diverged as failure:
-        return Lost(label, time, failure.time)
-    return take_shot(solver.snapshot(), label)
+def _stored(folder: ShotFolder, keys: Sequence[str]) -> list[list[Frame]]:
+    require(len(keys) > 0, "animation: say which case to show with --key")
+    # A method that diverged has fewer frames: the others go on without it.
+    longest = max((folder.load_all(key) for key in keys), key=len)
+    return [[folder.load(key, shot.time) for key in keys] for shot in longest]
 
 
 if __name__ == "__main__":

@@ -19,6 +19,7 @@ import sphsolid as sph
 from sphsolid.cloud.secondary import default_secondary
 from sphsolid.defaults import default_stabilisation
 from sphsolid.errors import InputError
+from sphsolid.geometry.body import Spacing
 from sphsolid.record import Solver
 from sphsolid.scenes import Scene
 from sphsolid.scheme.intrinsic_time import IntrinsicTime, as_time
@@ -29,7 +30,7 @@ from studies.engine.plotting import BLACK, BLUE, ORANGE, PURPLE, SKY, VERMILION
 class Recipe(Protocol):
     """How a solver is built from a scene; what it leaves out is the solver's own choice."""
 
-    def build(self, scene: Scene, spacing: float) -> Solver:
+    def build(self, scene: Scene, spacing: Spacing) -> Solver:
         """A solver with particles or nodes ``spacing`` [m] apart."""
         ...
 
@@ -60,14 +61,14 @@ class Particles:
     options: tuple[tuple[str, Any], ...] = ()
     supg: tuple[tuple[str, Any], ...] = ()
 
-    def build(self, scene: Scene, spacing: float) -> sph.Simulation:
+    def build(self, scene: Scene, spacing: Spacing) -> sph.Simulation:
         """A simulation with particles ``spacing`` [m] apart."""
         given = dict(self.options)
         if self.supg:
             given["stabilisation"] = self.stabilisation(scene, spacing)
         return sph.Simulation(scene, spacing=spacing, **given)
 
-    def stabilisation(self, scene: Scene, spacing: float) -> Stabilisation:
+    def stabilisation(self, scene: Scene, spacing: Spacing) -> Stabilisation:
         """The stabilisation of a scene, with the changes made."""
         given = dict(self.options)
         usual = given.get("stabilisation")
@@ -102,7 +103,7 @@ class Elements:
     options: tuple[tuple[str, Any], ...] = ()
     edge: int = 1
 
-    def build(self, scene: Scene, spacing: float) -> fem.Simulation:
+    def build(self, scene: Scene, spacing: Spacing) -> fem.Simulation:
         """A simulation with nodes ``spacing`` [m] apart."""
         return fem.Simulation(scene, spacing=spacing, **dict(self.options))
 
@@ -131,7 +132,7 @@ class Method:
     recipe: Recipe
     line: str = "-"
 
-    def simulation(self, scene: Scene, *, spacing: float) -> Any:
+    def simulation(self, scene: Scene, *, spacing: Spacing) -> Any:
         """A solver of ``scene`` with particles or nodes ``spacing`` [m] apart."""
         return self.recipe.build(scene, spacing)
 
@@ -178,7 +179,7 @@ def _said(option: str, value: Any) -> str:
     if isinstance(value, IntrinsicTime):
         return f"{option} = {said(value)}"
     if option in _SPEAK_FOR_THEMSELVES:
-        return str(getattr(value, "name", None) or repr(value))
+        return str(getattr(value, "name", None) or repr(value)).removesuffix("()")
     return f"{option} = {value:g}" if isinstance(value, float | int) else f"{option} = {value!r}"
 
 

@@ -1,7 +1,7 @@
-"""The results table of README.md, made from the reports and put in its place.
+"""The results table of README.md, made from the report of ``studies.convergence``.
 
 ``python -m studies.readme_table`` rewrites the lines between the two markers; a test fails when
-README says something else than the reports.
+README says something else than the report.
 """
 
 from __future__ import annotations
@@ -13,17 +13,13 @@ from pathlib import Path
 import pandas as pd
 
 from sphsolid.errors import InputError, require
-from studies.engine.case import ROOT, write_atomically
+from studies.convergence import headline
+from studies.engine.case import write_atomically
+from studies.engine.sources import ROOT
+from studies.methods import PACKAGE
 
 BEGIN, END = "<!-- results: begin -->", "<!-- results: end -->"
-_ROWS = [
-    ("SUPG-SPH {p,F} H1, equations as printed", "SUPG-SPH", "Literal"),
-    ("**SUPG-SPH {p,F} H1, consistent (default)**", "SUPG-SPH", "Consistent"),
-    ("SUPG-SPH {p,F} H1, consistent in the force only", "SUPG-SPH", "Consistent(force)"),
-    ("displacement SPH, equations as printed", "displacement SPH", "Literal"),
-    ("displacement SPH, consistent", "displacement SPH", "Consistent"),
-    ("B-bar FEM", "B-bar FEM", "-"),
-]
+_FORMATS = [".2f"] * 2 + [".1e"] * 4
 
 
 def results_table(summary: pd.DataFrame) -> str:
@@ -35,20 +31,9 @@ def results_table(summary: pd.DataFrame) -> str:
         f"{side} | momentum, large strain, {side} | stress, large strain, {side} |",
         "|---|---|---|---|---|---|---|",
     ]
-    for label, method, operator in _ROWS:
-        rows = summary[
-            (summary["method"] == method)
-            & (summary["operator"] == operator)
-            & (summary["nu"] == 0.3)
-            & summary["formulation"].isin(["{p,F}", "displacement", "-"])
-            & summary["secondary"].isin(["H1", "-"])
-            & ((summary["projection"] == "local") | (method != "SUPG-SPH"))
-            & (summary["xi_F"] == 0.0)
-        ]
-        cells = [f"{rows['slope_p_last'].min():.2f}", f"{rows['slope_P_last'].min():.2f}"]
-        for scene in ("linear", "manufactured"):
-            row = rows[(rows["scene"] == scene) & (rows["family"] == "A+B+C=0")]
-            cells += [f"{row[f'error_{field}_finest'].item():.1e}" for field in ("p", "P")]
+    for name, *numbers in headline(summary).itertuples(index=False):
+        label = f"**{name}**" if name == PACKAGE.name else name
+        cells = [f"{number:{form}}" for number, form in zip(numbers, _FORMATS, strict=True)]
         lines.append("| " + " | ".join([label, *cells]) + " |")
     return "\n".join(lines)
 

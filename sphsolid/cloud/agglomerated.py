@@ -1,14 +1,14 @@
 """Secondary particles without hexahedra: tetrahedra joined, about one to a primary particle.
 
-Delaunay tetrahedra with one circumsphere are parts of one cavity between the particles: on a
+Delaunay tetrahedra with one circumsphere are parts of one cavity between the particles.  On a
 lattice of cubes they make up its cubes, and the points are those of ``H1``.  In disorder the
-centres part, and cells are joined two by two where the centres differ least: with the volumes
-``V`` and centres ``C`` of the cells to join, neighbours over a facet, the smallest
+centres part.  Cells that share a facet are then joined two by two, those first whose centres differ
+least.  With their volumes ``V`` and centres ``C``, the pair goes first that has the smallest
 
-    V_1 V_2 / (V_1 + V_2)  |C_1 - C_2|^2
+    V_1 V_2 / (V_1 + V_2)  |C_1 - C_2|^2.
 
-goes first, the growth of the sum of squares [Ward1963], so that slivers and small cells go into
-their neighbours and no cell becomes much larger than the others.
+That is the growth of the sum of squares [Ward1963].  So slivers and small cells go into their
+neighbours, and no cell becomes much larger than the others.
 
 Regular meshes have many equal costs.  Costs that differ by round-off alone count as equal and the
 numbers of the cells decide, so that the points are the same in every unit, place and mirror.

@@ -1,25 +1,25 @@
 """Area vectors that integrate quadratics over the boundary exactly, one a boundary particle.
 
-A pair that sums by parts, ``C + C^T = B``, with first-order exact rows ``C 1 = 0`` and
-``C^d X_e = delta_de V`` exists only if for all polynomials ``p, q`` of degree one
+Let a pair sum by parts, ``C + C^T = B``, with first-order exact rows ``C 1 = 0`` and
+``C^d X_e = delta_de V``.  It exists only if for all polynomials ``p, q`` of degree one
 
     p^T B^d q = int_boundary p q n_d dA:
 
-``B`` must integrate *quadratics* exactly.  The consistent mass ``int N_a N_b n dA`` does, but it
-averages over neighbours on the boundary while nothing averages normal to it, and this difference is
-an error ``O(dx)`` of the normal derivative: on a lattice it doubles the errors of momentum and
-stress.  Lumped to ``B = diag(A_a N_a)`` there is no such average and quadratics are integrated
-with an error of ``O(dx^2)``, which the smallest relative change of the areas removes:
+``B`` must integrate *quadratics* exactly.  The consistent mass ``int N_a N_b n dA`` does.  But it
+averages over neighbours on the boundary, while nothing averages normal to it.  This difference is
+an error ``O(dx)`` of the normal derivative, which on a lattice doubles the errors of momentum and
+stress.  Lumped areas ``B = diag(A_a N_a)`` have no such average, but integrate quadratics with an
+error of ``O(dx^2)``.  The smallest relative change of the areas removes that error:
 
     A_a N_a  <-  A_a N_a [1 + N_a . lambda q(X_a)],    q the ten quadratics,
 
-30 numbers in all.  On a lattice box the errors of opposite faces cancel and the change is zero;
-elsewhere it is ``O(dx^2)``.  (Exactness face by face is too much to ask: it changes the areas near
+30 numbers in all.  On a lattice box the errors of opposite faces cancel and the change is zero.
+Elsewhere it is ``O(dx^2)``.  (Exactness face by face is too much to ask: it changes the areas near
 edges, and costs as much accuracy as the consistent mass.)
 
-Where a tag's particles all lie on one quadric, as on a cylinder, its moment cannot be changed by
-areas that keep their sums and first moments; what is then missing is 1e-6 of the boundary, and the
-pair sums by parts as far as that (``skew_change``).
+Where a tag's particles all lie on one quadric, as on a cylinder, no areas that keep their sums and
+first moments change its moment.  What is then missing is 1e-6 of the boundary.  The pair sums by
+parts as far as that (``skew_change``).
 """
 
 from __future__ import annotations

@@ -38,14 +38,15 @@ Array = NDArray[np.float64]
 class Cloud:
     """Primary particles.
 
-    ``X (N, 3)`` [m], ``V (N,)`` [m^3], ``areas (N, 3)`` [m^2] outward area vectors (zero inside),
-    ``lengths`` the smoothing lengths, ``h_min`` [m] smallest distance of a pair, ``sight`` who sees
-    whom through the material, ``left_out`` how many pairs within their support it leaves out,
-    ``parts`` how many sets of particles share no pair,
-    ``iterations`` and ``change`` as in ``operator.Gradients``.  Operators
-    on one pair list, three columns each: ``kinematic`` and ``force`` the gradients ``G_b(X_a)``
-    [1/m] (see ``operator.Gradients``; one object when adjoint), ``adjoint`` the divergence
-    ``g_ab = V_b G_a(X_b) / V_a``: ``(DIV P)_a`` is minus ``sum_b P_b g_ab``.
+    ``X (N, 3)`` [m] positions, ``V (N,)`` [m^3] volumes and ``areas (N, 3)`` [m^2] outward area
+    vectors, zero inside.  ``lengths`` are the smoothing lengths, ``h_min`` [m] is the smallest
+    distance of a pair.  ``sight`` says who sees whom through the material.  ``left_out`` counts the
+    pairs within their support that it leaves out, ``parts`` the sets of particles that share no
+    pair.  ``iterations`` and ``change`` are as in ``operator.Gradients``.
+
+    The operators have one pair list and three columns each.  ``kinematic`` and ``force`` are the
+    gradients ``G_b(X_a)`` [1/m] (see ``operator.Gradients``), one object when adjoint.  ``adjoint``
+    is the divergence ``g_ab = V_b G_a(X_b) / V_a``: ``(DIV P)_a`` is minus ``sum_b P_b g_ab``.
     """
 
     mesh: Mesh
@@ -189,11 +190,11 @@ def build_cloud(
 ) -> Cloud:
     """Particles on the vertices of ``mesh`` with the operators of ``operator``.
 
-    Pairs whose straight line leaves the body are none (``pairs.sight``).  Raises ``InputError``
-    for a non-positive ``h_over_dx``, a support that is too small (naming
-    the particle and the value to raise it to), cells so long that it spans the body with hundreds
-    of neighbours, parts that overlap, or an operator that does not exist on this cloud.
-    ``stencils=False`` stores every particle's own pairs, as on an irregular cloud.
+    Pairs whose straight line leaves the body are none (``pairs.sight``).  ``stencils=False`` stores
+    every particle's own pairs, as on an irregular cloud.  Raises ``InputError`` for a non-positive
+    ``h_over_dx``, parts that overlap, or an operator that does not exist on this cloud.  It also
+    refuses a support that is too small, naming the particle and the value to raise it to, and cells
+    so long that the support spans the body with hundreds of neighbours.
     """
     require(
         np.isfinite(h_over_dx) and h_over_dx > 0.0,

@@ -4,13 +4,16 @@
 
     (S mu)_a = sum_b V_b w_ab [ V_b mu_a - phi_ab . eta_b ].
 
-Its form ``mu . S mu = sum_b V_b^2 min_l sum_a w_ab (mu_a - l(X_a))^2``, the minimum over linear
-functions, measures curvature: at long waves it acts like a fourth-order operator, and with its
-diagonal alone iterations grow with ``N^(2/3)``.  So a solution on a coarse space of splines can
-be added.  Its matrix is exactly that of ``S`` there: with one that only sees curvatures the
-iteration fails on shells, where functions without curvature at any particle are not linear.  Where
-few pairs may change, in the boundary layers of a thin lattice, ``S`` has more null vectors than the
-linears, which the coarse solution blows up: there the diagonal alone is safer, and enough.
+Its form is ``mu . S mu = sum_b V_b^2 min_l sum_a w_ab (mu_a - l(X_a))^2``, the minimum over linear
+functions ``l``.  It measures curvature: at long waves ``S`` acts like a fourth-order operator.
+With its diagonal alone, iterations grow with ``N^(2/3)``.  So a solution on a coarse space of
+splines can be added.  Its matrix is exactly that of ``S`` there.  With one that only sees
+curvatures the iteration fails on shells, where functions without curvature at any particle are not
+linear.
+
+In the boundary layers of a thin lattice few pairs may change.  There ``S`` has more null vectors
+than the linears, and the coarse solution blows them up.  The diagonal alone is safer there, and
+enough.
 """
 
 from __future__ import annotations

@@ -60,7 +60,7 @@ def first_possible(
             warnings.warn(
                 f"the default operator does not exist on this cloud, {candidate} is used instead, "
                 f"which is less accurate where particles are disordered. Tried: {tried}",
-                stacklevel=3,
+                stacklevel=4,
             )
         return Found(cloud, candidate, tuple(refused))
     assert first is not None, "no candidates"

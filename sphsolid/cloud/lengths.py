@@ -166,9 +166,9 @@ def widest_spacing(mesh: Mesh) -> Array:
 def lengths_of(mesh: Mesh, h_over_dx: float) -> Lengths:
     """``Uniform`` unless the spacing of the mesh varies by more than :data:`GRADED`.
 
-    On a disordered grid ``dx`` is its widest edge, on flat hexahedra of any other kind the mean of
-    what ``widest_spacing`` gives: the support must reach second neighbours along every axis, or
-    there is hardly a gradient that sums by parts.
+    On a disordered grid ``dx`` is its widest edge.  On flat hexahedra of any other kind it is the
+    mean of what ``widest_spacing`` gives.  The support must reach second neighbours along every
+    axis, or there is hardly a gradient that sums by parts.
     """
     if mesh.is_lattice:
         return Uniform(mesh.spacing, h_over_dx)

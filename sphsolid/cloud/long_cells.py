@@ -1,8 +1,8 @@
 """Cells much longer than wide: a round support that serves their long edges holds far too many.
 
 A support reaches second neighbours along every axis (see ``lengths``).  With edges ``a a r a`` it
-then holds about ``40 r^2`` neighbours, ``r = 1`` for a cube, smooths over ``r`` cells sideways, and
-the gradient has to change much before it sums by parts.
+then holds about ``40 r^2`` neighbours (``r = 1`` for a cube) and smooths over ``r`` cells sideways.
+The gradient then has to change much before it sums by parts.
 """
 
 from __future__ import annotations

@@ -9,6 +9,7 @@ too, which is what second order needs where particles are not on a lattice.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import ClassVar, Protocol
 from typing import Literal as OneOf
 
 import numpy as np
@@ -24,6 +25,7 @@ from sphsolid.cloud.summation_by_parts import skew_gradient
 from sphsolid.errors import InputError, require
 from sphsolid.geometry.integrals import layers_from_boundary
 from sphsolid.geometry.mesh import Mesh
+from sphsolid.protocols import check_protocol
 
 Array = NDArray[np.float64]
 GradientKind = OneOf["corrected_kernel", "linear_kernel"]
@@ -80,6 +82,19 @@ class Ingredients:
         return self.smoothing.value(distance, h) / peak
 
 
+class OperatorKind(Protocol):
+    """An option that makes the gradients of a cloud: a frozen dataclass."""
+
+    @property
+    def name(self) -> str:
+        """Short, for file names."""
+        ...
+
+    def build(self, cloud: Ingredients) -> Gradients:
+        """The gradients on ``cloud.pairs``; raises ``InputError`` where there are none."""
+        ...
+
+
 def _base(kind: GradientKind, cloud: Ingredients) -> Array:
     if kind not in _GRADIENTS:
         raise InputError(f"gradient {kind!r} is not one of {sorted(_GRADIENTS)}")
@@ -123,6 +138,9 @@ class Consistent:
     further).  ``weight_exponent``: the change is weighed by ``w = (W / W_0)^exponent``; 0 shares it
     equally among all neighbours, larger values leave it to the nearest.
     """
+
+    #: Worth keeping on disk; ``repr`` and our sources say all that it depends on.
+    is_kept: ClassVar[bool] = True
 
     use: OneOf["everywhere", "force"] = "everywhere"
     gradient: GradientKind = "corrected_kernel"
@@ -173,6 +191,9 @@ class SummationByParts:
     ``tolerance`` of the solver relative to the first defect.
     """
 
+    #: As of :class:`Consistent`.
+    is_kept: ClassVar[bool] = True
+
     epsilon: float = 0.02
     weight_exponent: float = 0.25
     tolerance: float = 1.0e-10
@@ -215,4 +236,10 @@ class SummationByParts:
         )
 
 
-OperatorKind = Literal | Consistent | SummationByParts
+def check_operator(operator: object) -> None:
+    """Raise ``InputError`` unless ``operator`` keeps the protocol."""
+    check_protocol(
+        "operator", operator, ("name", "build"),
+        "use one of Literal(), Consistent(), SummationByParts(), or see "
+        "docs/how_to_add/operator.md",
+    )

@@ -20,7 +20,7 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from sphsolid.cloud.operator import Gradients, Ingredients, Literal, OperatorKind
+from sphsolid.cloud.operator import Gradients, Ingredients, OperatorKind
 from sphsolid.compiled import cache_base, source_hash
 
 Array = NDArray[np.float64]
@@ -31,8 +31,11 @@ MOST_BYTES = 4_000_000_000
 
 
 def gradients_of(operator: OperatorKind, cloud: Ingredients) -> Gradients:
-    """``operator.build(cloud)``, from the disk where it was built before."""
-    if isinstance(operator, Literal) or len(cloud.volumes) < LEAST_PARTICLES:
+    """``operator.build(cloud)``, from the disk where it was built before.
+
+    Only operators that say ``is_kept`` are: the text of a user's own is not in the hash.
+    """
+    if not getattr(operator, "is_kept", False) or len(cloud.volumes) < LEAST_PARTICLES:
         return operator.build(cloud)
     try:
         folder = cache_base() / "operators"

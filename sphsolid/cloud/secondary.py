@@ -1,8 +1,8 @@
 """Secondary particles ``q``: where the SUPG terms are integrated, [Lee2017] section 4.2, Fig. 2.
 
-``H1`` puts one at the centroid of each hexahedron of the background mesh, ``H6`` one at the
-centroid of each of the six tetrahedra of its Kuhn split, ``T1`` one at the centroid of each cell
-of a mesh of tetrahedra.  ``sum V_q`` is the volume of the body.
+``H1`` puts one at the centroid of each hexahedron of the background mesh.  ``H6`` puts one at the
+centroid of each of the six tetrahedra of its Kuhn split.  ``T1`` puts one at the centroid of each
+cell of a mesh of tetrahedra.  ``sum V_q`` is the volume of the body.
 """
 
 from __future__ import annotations

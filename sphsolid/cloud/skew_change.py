@@ -4,21 +4,21 @@ Among skew ``A`` on a symmetric list of pairs, near to a skew ``A0``, with
 
     sum_b A_ab psi_i(a, b) = target_ai   exactly for i in {1, x, y, z}, in the mean for quadratics,
 
-the minimiser of ``sum |A_ab - A0_ab|^2 / w_ab + sum_a |rest_a|^2 / (epsilon w)``, ``rest`` what is
-left of the quadratic moments, is
+the minimiser of ``sum |A_ab - A0_ab|^2 / w_ab + sum_a |residual_a|^2 / (epsilon w)``, with the
+residual of the quadratic moments, is
 
     A_ab = A0_ab + w_ab [ psi(a, b) . l_a - psi(b, a) . l_b ],
 
 with ten multipliers a particle and the ten monomials ``psi(a, b)`` of ``(X_b - X_a) / scale_a``.
-They solve one symmetric system, the same for the three components of the gradient, by conjugate
-gradients (``skew_preconditioner``), as far as round-off lets it: what an early stop would leave
-differs with the unit of length, a mirror and the library.
+They solve one symmetric system, the same for the three components of the gradient.  Conjugate
+gradients (``skew_preconditioner``) go as far as round-off lets them.  What an early stop would
+leave differs with the unit of length, a mirror and the library.
 
 Its null space are the quadratics (``s, grad s / 2``).  The right-hand side is orthogonal to them
 where the areas integrate quadratics exactly (``boundary_weights``).  On a cylinder they cannot: all
-particles of the wall lie on one quadric, whose moment is zero with any areas and is not over the
-facets.  That part of the right-hand side, 1e-5 of it, has no solution; left in, it would make the
-iteration diverge.  It is taken out first and counted in what remains.
+particles of the wall lie on one quadric.  Its moment is zero with any areas, but over the facets it
+is not.  That part of the right-hand side, 1e-5 of it, has no solution.  It would make the iteration
+diverge, so it is taken out first and counted in what remains.
 """
 
 from __future__ import annotations

@@ -1,11 +1,13 @@
 """What makes the system of ``skew_change`` easy: smoothing by blocks around a coarse solution.
 
-In the long run of wave lengths the system acts like a sixth-order operator.  One application is a
-step of two grids: a few steps of Chebyshev's iteration with the inverse diagonal blocks take out
-what varies from particle to particle, a solution on a coarse space of splines the smooth rest, and
-the same steps once more what that has roughened.  It is symmetric and positive, as conjugate
-gradients want it, for two reasons: the last steps are the first ones in reverse, and no eigenvalue
-of the blocks' inverse times the matrix is above 2, because
+At long wave lengths the system acts like a sixth-order operator.  One application is a step of two
+grids.  A few steps of Chebyshev's iteration with the inverse diagonal blocks take out what varies
+from particle to particle.  A solution on a coarse space of splines takes out what is smooth.  The
+same steps once more take out what that has roughened.
+
+It is symmetric and positive, as conjugate gradients want it, for two reasons.  The last steps are
+the first ones in reverse.  No eigenvalue of the blocks' inverse times the matrix is above 2,
+because
 
     sum_ab w [psi(a, b) . l_a - psi(b, a) . l_b]^2  <=  2 sum_ab w [psi(a, b) . l_a]^2 + ...,
 

@@ -5,8 +5,8 @@ skew, with the ten monomials ``psi(a, b)`` of ``X_b - X_a``.  The matrix takes `
 moments ``sum_b A_ab psi(a, b)``, plus ``epsilon`` times its quadratic part: symmetric, never
 negative, and applied pair by pair.
 
-Positions come in units of the spacing, counted from the middle of the body: what is computed from
-them is then the same in every unit and at every place, and ``psi(b, a)`` is ``psi(a, b)`` with the
+Positions come in units of the spacing, counted from the middle of the body.  What is computed from
+them is then the same in every unit and at every place.  ``psi(b, a)`` is ``psi(a, b)`` with the
 signs of the linears turned.
 """
 

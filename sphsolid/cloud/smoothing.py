@@ -12,6 +12,8 @@ from typing import ClassVar, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from sphsolid.protocols import check_protocol
+
 Array = NDArray[np.float64]
 
 
@@ -96,3 +98,11 @@ class WendlandC2:
         """``dW/dr (r, h)`` [1/m^4]."""
         q = r / h
         return -21.0 / (16.0 * np.pi * h**4) * 5.0 * q * np.maximum(1.0 - 0.5 * q, 0.0) ** 3
+
+
+def check_smoothing(smoothing: object) -> None:
+    """Raise ``InputError`` unless ``smoothing`` keeps the protocol."""
+    check_protocol(
+        "smoothing", smoothing, ("support", "value", "slope"),
+        "it is no smoothing function: use one of WendlandC2(), CubicSpline(), QuinticSpline()",
+    )

@@ -5,22 +5,21 @@ With ``C^d_ab = V_a G^d_b(X_a)`` a pair sums by parts when
     C + C^T = B = diag(A_a N_a),      C 1 = 0,      C^d X_e = delta_de V,
 
 a discrete integration by parts with exact constants and linears.  It makes the force exact for
-uniform *and* linear stress, the discrete form of the divergence theorem that second order on
-disordered clouds needs, while force and gradient stay each other's adjoint.  So
-``C = A + B / 2`` with ``A`` skew; from the skew part of ``V G`` the nearest such ``A`` is taken
-(``skew_change``).  Two things decide how accurate the result is:
+uniform *and* linear stress, while force and gradient stay each other's adjoint.  Second order on
+disordered clouds needs this discrete form of the divergence theorem.  So ``C = A + B / 2`` with
+``A`` skew, and ``A`` is the nearest one to the skew part of ``V G`` (``skew_change``).  Two things
+decide how accurate the result is:
 
-* ``B`` is lumped, with areas that integrate quadratics exactly (``boundary_weights``): the
+* ``B`` is lumped, with areas that integrate quadratics exactly (``boundary_weights``).  The
   consistent boundary mass, which comes to mind first, doubles the errors.
-* Of the many ``A`` the one is taken that nearly reproduces quadratics, as far as ``epsilon`` lets
-  it depart from ``V G`` for that: otherwise the gradient of a disordered cloud has an error
-  ``O(dx)`` at every particle and so has the stress.
+* ``A`` is the one of many that nearly reproduces quadratics, as far as ``epsilon`` lets it depart
+  from ``V G`` for that.  Otherwise the gradient of a disordered cloud has an error ``O(dx)`` at
+  every particle, and so has the stress.
 
 The solver stops at a tolerance, small enough for one operator in every unit, mirror and library.
-What it leaves of the rows is then removed row by row, and what
-that leaves of D0 by the least change of ``consistent``: C0, C1 and D0 hold to round-off whatever
-the tolerance, and with them conservation of momentum and the patch test; ``C + C^T = B`` holds to
-the tolerance.
+What it leaves of the rows is then removed row by row, and what that leaves of D0 by the least
+change of ``consistent``.  So C0, C1 and D0 hold to round-off whatever the tolerance, and with them
+conservation of momentum and the patch test.  ``C + C^T = B`` holds to the tolerance.
 """
 
 from __future__ import annotations

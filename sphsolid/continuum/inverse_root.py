@@ -23,7 +23,7 @@ _GUESS = int(4.0 / 3.0 * (1023 << 52)) - int(0.044 * (1 << 52))
 
 
 def inverse_two_thirds(J: Any) -> Any:
-    """``J^(-2/3)``; ``nan`` in a kernel where ``J <= 0``, so that a lost state is noticed."""
+    """``J^(-2/3)``; ``nan`` in a kernel where ``J <= 0``, so that a diverged state is noticed."""
     return J ** (-2.0 / 3.0)
 
 

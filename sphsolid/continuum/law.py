@@ -1,7 +1,7 @@
 """What every constitutive law answers, and how a kernel reaches it.
 
 A law is a ``NamedTuple`` of parameters plus functions registered for its type.  Kernels call the
-generic functions below; numba picks the law from the *type* of the parameters when it compiles, so
+generic functions below.  numba picks the law from the *type* of the parameters when it compiles, so
 the choice costs nothing at run time and the result is cached on disk.  Kernels are handed
 ``in_kernels(material)``, whose type changes with the text of the law.
 

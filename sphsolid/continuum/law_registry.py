@@ -119,10 +119,10 @@ def law_of(kind: type) -> Law:
 def in_kernels(material: Any) -> Any:
     """The parameters as an instance of the type that kernels are compiled for.
 
-    Of a law of this package, ``material`` itself.  Of any other, a type that is new whenever
-    something that makes up the law has changed, so that neither a kernel in memory nor one on disk
-    can be older than the law; see ``law_source`` and ``law_types``.  What comes back is the law as
-    it is now, for kernels and for plain Python: nothing done to the law's text, constants or class
+    For a law of this package that is ``material`` itself.  For any other the type is new whenever
+    something that makes up the law has changed.  So neither a kernel in memory nor one on disk can
+    be older than the law: see ``law_source`` and ``law_types``.  What comes back is the law as it
+    is now, for kernels and for plain Python.  Nothing done to the law's text, constants or class
     afterwards changes it.  Raises ``InputError`` where the law reads what cannot be followed.
     """
     kind = type(material)

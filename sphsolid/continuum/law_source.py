@@ -1,14 +1,15 @@
 """All that makes up a law, read once: a hash of it, and copies that a later edit cannot change.
 
 A kernel is as old as the oldest text in it.  :meth:`LawSource.read` follows a law's functions into
-what they call and the values they use: constants and helper functions of their modules, of modules
-they import, and of closures, decorated for numba or not; classes with all they hold; objects by
-what a pickle of them would hold.  What is read is the compiled text (bytecode), which a notebook, a
-text given to ``exec`` and a file all have.  Libraries and this room count by name and version
-(``known_by_name``).  What cannot be followed is refused: a kernel could be older than it.
+what they call and the values they use.  These are constants and helper functions of their modules,
+of modules they import, and of closures, decorated for numba or not.  Classes count with all they
+hold, objects with what a pickle of them would hold.  What is read is the compiled text (bytecode),
+which a notebook, a text given to ``exec`` and a file all have.  Libraries and this room count by
+name and version (``known_by_name``).  What cannot be followed is refused: a kernel could be older
+than it.
 
 The copies call copies.  numba keeps what it compiled of a helper function for as long as the
-process lives, with the constants it had then; a copy made after a change is a new function.  The
+process lives, with the constants it had then.  A copy made after a change is a new function.  The
 same copies are what plain Python calls for a simulation that was built before the change.
 """
 

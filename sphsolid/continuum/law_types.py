@@ -1,9 +1,9 @@
 """The types under which kernels know the laws that are not part of this package.
 
 numba stores a compiled kernel under the types of its arguments, and a type by the name of its
-class.  A law from a user's file would be stored by the name of that file's module: an edit of its
-text would go unseen, and another program, which cannot import the module, could not read the list
-of what is stored.  A law therefore meets the kernels as an instance of a class of this module whose
+class.  A law from a user's file would be stored by the name of that file's module.  An edit of its
+text would go unseen.  Another program, which cannot import the module, could not read the list of
+what is stored.  A law therefore meets the kernels as an instance of a class of this module whose
 name is the hash of all that makes up the law (``law_source``).
 
 A name that this process does not know belongs to another program's law.  It gets an empty class,

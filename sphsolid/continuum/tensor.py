@@ -1,9 +1,9 @@
 """3x3 algebra on nine numbers, written once for every use.
 
 A second-order tensor is a tuple of nine entries in row order, ``A = (A11, A12, A13, A21, ...)``.
-The entries may be floats (inside a compiled kernel: no memory is touched), complex numbers
-(complex-step derivatives) or numpy arrays of equal shape (all particles at once), because the
-functions use nothing but + - * /.
+The functions use nothing but + - * /, so the entries may be of several kinds.  Floats serve inside
+a compiled kernel, where no memory is touched.  Complex numbers serve complex-step derivatives.
+Numpy arrays of equal shape serve all particles at once.
 
 The tensor cross product and its algebra are those of [Bonet2016]:
 ``(A x B)_iI = eps_ijk eps_IJK A_jJ B_kK``, ``cof F = (F x F) / 2``, ``det F = cof F : F / 3``.

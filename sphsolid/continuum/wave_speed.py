@@ -12,7 +12,7 @@ from sphsolid.continuum.law import tangent_action, volumetric_stiffness
 from sphsolid.continuum.moduli import first_lame
 from sphsolid.continuum.tensor import IDENTITY, Tensor, split
 
-#: A fibre shorter than this share of its length is taken as a lost solution: the stable step
+#: A fibre shorter than this share of its length is taken as a diverged solution: the stable step
 #: shrinks with it, so a run that has blown up would otherwise creep on for ever.
 THINNEST = 5.0e-3
 

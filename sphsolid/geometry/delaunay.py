@@ -1,8 +1,8 @@
 """Delaunay tetrahedra of a set of points, oriented, and the facets that bound a set of them.
 
 The points of a lattice lie on common spheres, and a sphere with more than four points has several
-triangulations: round-off would choose, another one in every unit and place.  Here every point has
-a small weight ``w`` instead, by its number alone, and the cells are those of the lower hull of
+triangulations.  Round-off would choose, another one in every unit and place.  So every point has a
+small weight ``w``, by its number alone.  The cells are those of the lower hull of
 ``(X, |X|^2 + w)``: the same ones in all units, places, mirrors and turns.
 """
 

@@ -1,10 +1,12 @@
 """Voronoi volumes of the vertices of Delaunay tetrahedra, cell by cell.
 
-A cell is cut by the planes half-way along its edges, which meet in its circumcentre: the part of a
-corner is the (signed) volume of the six simplices from it over the middle of an edge and the centre
-of a facet to that of the cell.  The parts add up to the cell; around an inner vertex they add up to
-its Voronoi cell, the room that is nearer to it than to any other, whatever way points on one
-sphere are cut into tetrahedra.
+The planes half-way along the edges of a cell cut it, and meet in its circumcentre.  Six simplices
+make up the part of a corner.  Each goes from the corner over the middle of an edge and the centre
+of a facet to that of the cell.  The part is the sum of their signed volumes.
+
+The parts add up to the cell.  Around an inner vertex they add up to its Voronoi cell, the room that
+is nearer to it than to any other.  That holds whatever way points on one sphere are cut into
+tetrahedra.
 """
 
 from __future__ import annotations

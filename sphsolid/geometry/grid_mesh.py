@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sphsolid.errors import InputError, require
+from sphsolid.geometry.affordable import check_affordable
 from sphsolid.geometry.cell_shape import CORNERS
 from sphsolid.geometry.mesh import GridMesh
 
@@ -62,11 +63,11 @@ def grid_mesh(
 ) -> GridMesh:
     """The cells of a grid where ``keep (nx, ny, nz)``; vertices that no cell uses are left out.
 
-    Tags: ``X- X+ Y- Y+ Z- Z+`` on the outermost planes; a face whose outward normal is ``+X`` on
-    an inner plane ``X = 3`` is ``X+@3``.  ``jitter`` moves inner vertices, and boundary vertices
-    within their face or edge, by a uniform random offset of at most ``jitter / 2`` of the shorter
-    of the cell edges that meet there, per component.  Raises ``InputError`` for a jitter outside
-    [0, 0.9].
+    Tags: ``X- X+ Y- Y+ Z- Z+`` on the outermost planes; a face whose outward normal is ``+X`` on an
+    inner plane ``X = 3`` is ``X+@3``.  ``jitter`` moves inner vertices, and boundary vertices
+    within their face or edge.  Per component the offset is uniform random and at most ``jitter /
+    2`` of the shorter of the cell edges that meet there.  Raises ``InputError`` for a jitter
+    outside [0, 0.9].
     """
     require(0.0 <= jitter <= 0.9, f"jitter = {jitter} is outside [0, 0.9] of the spacing")
     grid = np.stack(
@@ -175,6 +176,8 @@ def block_mesh(
         f"aspect = {aspect} (edge of a cell along X, Y, Z over the spacing) must be positive",
     )
     breaks = block_breaks(blocks)
+    sides = [axis[-1] - axis[0] for axis in breaks]
+    check_affordable(sides, [spacing * factor for factor in aspect])
     x, y, z = (GridAxis.through(breaks[d], spacing * aspect[d]) for d in range(3))
     keep = covered(blocks, (x.planes, y.planes, z.planes))
     return grid_mesh((x, y, z), keep, jitter, seed)

@@ -1,9 +1,9 @@
 """Which points lie inside a closed surface, and how far from it: exact, and fast for many points.
 
-The winding number of a point is the number of times the surface passes over it: the sum, over the
-triangles that a ray from the point crosses, of +1 where the ray leaves and -1 where it enters.  All
-rays are parallel, in a direction that no mesh is aligned with; the triangles are sorted into
-columns along it.  Where a ray passes too close to an edge to tell, or starts too close to a
+The winding number of a point is the number of times the surface passes over it.  It is a sum over
+the triangles that a ray from the point crosses: +1 where the ray leaves and -1 where it enters.
+All rays are parallel, in a direction that no mesh is aligned with, and the triangles are sorted
+into columns along it.  Where a ray passes too close to an edge to tell, or starts too close to a
 triangle, the solid angle of the whole surface, over 4 pi, decides [Oosterom1983].
 """
 

@@ -4,8 +4,9 @@ With the shape functions ``N_a`` of its cells (trilinear or linear),
 
     V_a = int N_a dV,    A_a N_a = int_boundary N_a n dA,    B_ab = int_boundary N_a N_b n dA,
 
-so ``sum V_a`` is the volume of the mesh, ``sum A_a N_a = 0``, ``sum A_a N_a (x) X_a = V I`` and
-``sum_b B_ab = A_a N_a`` hold to round-off: the quadrature of ``cell_shape`` is exact for all.
+and so ``sum V_a`` is the volume of the mesh.  ``sum A_a N_a = 0``, ``sum A_a N_a (x) X_a = V I``
+and ``sum_b B_ab = A_a N_a`` hold to round-off, since the quadrature of ``cell_shape`` is exact for
+all.
 """
 
 from __future__ import annotations

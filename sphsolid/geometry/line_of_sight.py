@@ -2,8 +2,9 @@
 
 Two points *see* each other when a path inside the body joins them that is nowhere further than
 ``SLACK`` times their distance from the straight line between them.  So a chord over a shallow
-hollow, the surface of a wide hole, counts as inside; a slot does not, however narrow, unless it
-ends within that distance, and neither does a crack, whose two sides lie at one place.
+hollow, the surface of a wide hole, counts as inside.  A chord over a slot does not, however narrow
+the slot is, unless the slot ends within that distance.  Neither does one over a crack, whose two
+sides lie at one place.
 
 The path is never made.  Take the tube around the segment, and the pieces of the boundary within it
 that hang together there.  A piece in which the segment crosses as often outward as inward has both

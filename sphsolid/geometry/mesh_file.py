@@ -72,12 +72,17 @@ class MeshFile:
     curved edge becomes a straight one.  ``unit``: what a coordinate of one means, one of
     :data:`~sphsolid.geometry.units.UNITS` or metres as a number.
 
-    Tags of the boundary are the physical surfaces of Gmsh, the integer arrays on the surface
-    cells of a VTU file (:func:`~sphsolid.geometry.vtu_reading.read_vtu`) and the surfaces,
-    element sets and node sets of Abaqus
-    (:func:`~sphsolid.geometry.abaqus_reading.read_abaqus`); facets without a tag are tagged
-    ``boundary``.  Tags may not overlap.  Of overlapping sets of Abaqus one is a tag, and the
-    others are refused when they are asked for (:mod:`~sphsolid.geometry.named_sets`).
+    Tags of the boundary are
+
+    * the physical surfaces of Gmsh;
+    * the integer arrays on the surface cells of a VTU file
+      (:func:`~sphsolid.geometry.vtu_reading.read_vtu`);
+    * the surfaces, element sets and node sets of Abaqus
+      (:func:`~sphsolid.geometry.abaqus_reading.read_abaqus`).
+
+    Facets without a tag are tagged ``boundary``.  Tags may not overlap.  Of overlapping sets of
+    Abaqus one is a tag, and the others are refused when they are asked for
+    (:mod:`~sphsolid.geometry.named_sets`).
     """
 
     path: str | Path

@@ -57,9 +57,9 @@ class NodeSetFaces:
         """Facets ``(k,)``, sorted, of the faces that the nodes ``(n,)``, each once, stand for.
 
         A facet is one of them when all its vertices are.  At an edge of the body a facet of the
-        next face can have all its vertices on the edge (the end of a cylinder at its wall); such
-        facets are left out: pieces that go on smoothly outside the set, and whose vertices all
-        belong to other faces of it.
+        next face can have all its vertices on the edge (the end of a cylinder at its wall).  Such
+        facets are left out.  They are pieces that go on smoothly outside the set, and whose
+        vertices all belong to other faces of it.
         """
         corners = self.boundary.shape[1]
         touched, times = np.unique(self._around.of(nodes)[1], return_counts=True)

@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.spatial import cKDTree
 
 from sphsolid.errors import InputError, require
+from sphsolid.geometry.affordable import check_affordable
 from sphsolid.geometry.body import AsMeshed, Spacing
 from sphsolid.geometry.mesh import copied
 from sphsolid.geometry.point_file import read_points
@@ -35,10 +36,10 @@ class PointCloud:
     :class:`Surface`, or a file ``.stl .ply .obj .msh .vtu``; ``unit`` of the numbers in both (a
     ``Surface`` is in metres always).  The surface's names are the tags of the faces.
 
-    The surface's own vertices stand for the boundary, so points that lie within ``CLEARANCE`` (a
-    quarter) of the local edge of the surface, on either side, are left out: those of a cloud's
-    boundary layer do, and on a curved boundary not exactly on its triangles.  A point further
-    outside is an error.
+    The surface's own vertices stand for the boundary.  So points that lie within ``CLEARANCE`` (a
+    quarter) of the local edge of the surface, on either side, are left out.  Those of a cloud's
+    boundary layer do, and on a curved boundary they are not exactly on its triangles.  A point
+    further outside is an error.
     """
 
     points: ArrayLike | str | Path
@@ -160,12 +161,8 @@ def interior_lattice(
     require(np.isfinite(spacing) and spacing > 0.0, f"spacing = {spacing} m must be positive")
     require(0.0 <= jitter <= 0.9, f"jitter = {jitter} is outside [0, 0.9] of the spacing")
     low, high = surface.vertices.min(axis=0), surface.vertices.max(axis=0)
+    check_affordable((high - low).tolist(), [spacing] * 3)
     counts = np.maximum(1, np.rint(np.round((high - low) / spacing, 9)).astype(int))
-    require(
-        float(np.prod(counts.astype(float))) <= 1.0e8,
-        f"spacing = {spacing} m makes {' x '.join(map(str, counts.tolist()))} points; the surface "
-        f"is {(high - low).tolist()} m large: check the unit",
-    )
     planes = [np.linspace(a, b, n + 1)[1:-1] for a, b, n in zip(low, high, counts, strict=True)]
     points = np.stack(np.meshgrid(*planes, indexing="ij"), axis=-1).reshape(-1, 3)
     if jitter > 0.0:

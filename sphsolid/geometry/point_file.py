@@ -22,8 +22,8 @@ def read_points(path: Path) -> Array:
     """Points ``(n, 3)`` of a ``.npy`` array, the points of a ``.vtu``, or a table of numbers.
 
     A table (``.csv`` with commas, ``.xyz`` and ``.txt`` with blanks) has three columns, or a first
-    line with names, of which ``x``, ``y`` and ``z`` count (``Points:0`` ... of ParaView, too);
-    lines that begin with ``#`` are left out.  Raises ``InputError`` for a file that is missing, of
+    line with names.  Of the names ``x``, ``y`` and ``z`` count (``Points:0`` ... of ParaView, too).
+    Lines that begin with ``#`` are left out.  Raises ``InputError`` for a file that is missing, of
     another kind, a table of another layout, or cannot be read.
     """
     require(path.is_file(), f"{path}: there is no such file")

@@ -1,11 +1,11 @@
 """Delaunay tetrahedra of points inside a closed surface, with volumes that fit it exactly.
 
-A particle's volume is its Voronoi cell's within the tetrahedra (see ``dual_volumes``), a quarter of
-each tetrahedron being far more uneven: on a lattice with a deviation of 30 % where Voronoi's has
-none.  The tetrahedra fill the body only nearly: on a curved surface their outer facets need not
-be its triangles.  Both volumes, of particles and of cells, are therefore changed, relatively as
-little as possible in the least-squares sense, such that either sum has the volume and the first
-moments that the surface encloses.
+A particle's volume is its Voronoi cell's within the tetrahedra (see ``dual_volumes``).  A quarter
+of each tetrahedron would be far more uneven: on a lattice it deviates by 30 % where Voronoi's does
+not at all.  The tetrahedra fill the body only nearly, since on a curved surface their outer facets
+need not be its triangles.  Both volumes, of particles and of cells, are therefore changed such that
+either sum has the volume and the first moments that the surface encloses.  The relative change is
+the smallest one in the least-squares sense.
 """
 
 from __future__ import annotations

@@ -24,9 +24,9 @@ _SOLID = re.compile(rb"^[ \t]*solid\b([^\n]*)", re.I | re.M)
 def read_stl(path: Path) -> list[tuple[str, Array]]:
     """Name and corners ``(n, 3, 3)`` of each solid of the file, in its units.
 
-    Text may be in upper or lower case and names in any encoding; of a binary file, which has one
-    solid without a name, normals and attributes are not read, nor is filling after the last
-    facet.  Raises ``InputError`` for a file that is cut, facets of more than three corners, and
+    Text may be in upper or lower case and names in any encoding.  A binary file has one solid
+    without a name.  Its normals and attributes are not read, nor is filling after the last facet.
+    Raises ``InputError`` for a file that is cut, facets of more than three corners, and
     a binary file whose number of facets is not what follows.
     """
     data = path.read_bytes()

@@ -2,8 +2,8 @@
 
 Points: corners, jittered edges, faces and the interior filled with blue noise, as many as a
 lattice of that spacing has.  The interior is relaxed towards an optimal Delaunay triangulation
-[Chen2004], where a vertex is the volume-weighted mean of the circumcentres around it, which has
-few slivers; what is left of them is shaken loose.
+[Chen2004], where a vertex is the volume-weighted mean of the circumcentres around it.  It has few
+slivers, and what is left of them is shaken loose.
 """
 
 from __future__ import annotations
@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from sphsolid.errors import require
+from sphsolid.geometry.affordable import check_affordable
 from sphsolid.geometry.blue_noise import blue_noise
 from sphsolid.geometry.body import Spacing, chosen
 from sphsolid.geometry.delaunay import circumspheres, delaunay, open_facets, tetrahedron_volumes
@@ -53,6 +54,7 @@ class TetBox:
         require(np.isfinite(edge) and edge > 0.0, f"spacing = {edge} m must be positive")
         block_breaks(((self.lower, self.upper),))
         lower, upper = np.array(self.lower, float), np.array(self.upper, float)
+        check_affordable((upper - lower).tolist(), [edge] * 3)
         counts = np.maximum(1, np.rint((upper - lower) / edge).astype(int))
         size = float(np.prod((upper - lower) / counts) ** (1.0 / 3.0))
         random = np.random.default_rng(self.seed)

@@ -1,9 +1,9 @@
 """What a run hands out: snapshots, histories, norms."""
 
-from sphsolid.record.balance import Balance, NotTracked
+from sphsolid.record.budget import Budget, NotTracked
+from sphsolid.record.budget_recorders import EnergyBudget, MomentumDrift, Reactions
 from sphsolid.record.checkpoint import restore, write_checkpoint
 from sphsolid.record.history import History, read_history
-from sphsolid.record.ledger import EnergyLedger, MomentumDrift, Reactions
 from sphsolid.record.march import march
 from sphsolid.record.norms import instant_errors, l2_norm, period_errors
 from sphsolid.record.output import Every, Never, NoOutput, Output
@@ -36,9 +36,9 @@ from sphsolid.record.vtu import write_vtu
 
 __all__ = [
     "AngularMomentum",
-    "Balance",
+    "Budget",
     "Energy",
-    "EnergyLedger",
+    "EnergyBudget",
     "Errors",
     "Every",
     "History",

@@ -27,9 +27,9 @@ from sphsolid.scenes.scene import NoBodyForce, Scene
 
 Array = NDArray[np.float64]
 AnySolver = TypeVar("AnySolver", bound=Solver)
-FORMAT = "sphsolid checkpoint 3"
-#: Arrays of the account of energy and momentum begin with this.
-ACCOUNT = "account."
+FORMAT = "sphsolid checkpoint 4"
+#: Arrays of the budget of energy and momentum begin with this.
+BUDGET = "budget."
 
 
 @dataclass(frozen=True)
@@ -67,7 +67,7 @@ def checkpoint_of(solver: Solver, *, records: int = 0) -> Checkpoint:
 
 def _sampled(solver: Solver, until: float | None) -> list[float]:
     times = instants(solver.scene, until=until)
-    # A lost state can be written too; no step follows it.
+    # A diverged state can be written too; no step follows it.
     with suppress(Diverged):
         times += instants_ahead(solver.time, solver.stable_time_step())
     return times
@@ -176,10 +176,10 @@ def put_back(solver: Solver, checkpoint: Checkpoint, what: str) -> None:
     Raises ``InputError`` where the arrays are not those of ``solver``, and changes nothing then.
     """
     _write_over(solver.state_arrays(), checkpoint, what)
-    kept = [name for name in checkpoint.arrays if name.startswith(ACCOUNT)]
+    kept = [name for name in checkpoint.arrays if name.startswith(BUDGET)]
     if kept and not solver.state_arrays().keys() & set(kept):
-        # That account goes on, not one that begins here.
-        solver.track_balance()
+        # That budget goes on, not one that begins here.
+        solver.track_budget()
         _write_over(solver.state_arrays(), checkpoint, what)
     solver.time, solver.step = checkpoint.time, checkpoint.step
     solver.positions.folded_since = checkpoint.folded_since

@@ -13,7 +13,7 @@ from sphsolid.record.interrupt import Interrupt, held_interrupt
 from sphsolid.record.output import NO_OUTPUT, Output, Sink, Task
 from sphsolid.record.positions import PositionVerdict
 from sphsolid.record.progress import Pace, Progress
-from sphsolid.record.recorders import Recorder, asks_for_balance
+from sphsolid.record.recorders import Recorder, asks_for_budget
 from sphsolid.record.run_options import (
     check_output,
     check_progress,
@@ -52,7 +52,7 @@ def march(
     ``output`` takes every record as it is made; when it resumes an earlier run, the history begins
     with that run's rows.  ``progress`` is called at records and twice a second.  Ctrl-C acts
     between two steps, or after the record being made.  Raises ``InputError`` for times that are not
-    ahead, ``Diverged`` when the solution is lost; the history so far is attached to that exception,
+    ahead, ``Diverged`` when the solution does; the history so far is attached to that exception,
     and to ``KeyboardInterrupt``, as ``history``.
 
     Positions are judged at the start, at records, at the end and every ``solver.positions.every``
@@ -65,8 +65,8 @@ def march(
     check_output(output)
     end = solver.scene.end_time if until is None else until
     require(every is None or 0.0 < every < math.inf, f"every = {every} s must be positive, finite")
-    if asks_for_balance(record):
-        solver.track_balance()
+    if asks_for_budget(record):
+        solver.track_budget()
     rows = output.take_up(solver)
     if rows and solver.time == end:
         # Nothing is left to do but what a kill at the very end may have left undone.
@@ -174,7 +174,7 @@ class _Run:
             if steps == 1:
                 # The last step of the gap lands on the target; name that instant exactly.
                 solver.time = target
-                # A solution lost in this very step must not be recorded, nor end the run well.
+                # What diverged in this very step must not be recorded, nor end the run well.
                 solver.stable_time_step()
             self._pace.stepped(solver.time, solver.step, dt)
             if steps == 1:

@@ -136,7 +136,7 @@ class PositionWatch:
             f"{verdict.indicators}"
         )
 
-    def account(self) -> dict[str, object]:
+    def report(self) -> dict[str, object]:
         """What a file about the run says."""
         if self._latest is None:
             return {"verdict": "not judged"}

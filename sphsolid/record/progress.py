@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import math
-import shutil
-import sys
 import time as clock
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TextIO
 
+from sphsolid.record.display import Display, duration
 from sphsolid.record.snapshot import Snapshot
 
 #: Seconds of wall time between two reports, apart from those at records.
@@ -147,32 +146,23 @@ class Pace:
 
 
 class ProgressLine:
-    """Prints progress: one line that changes on a terminal, a line now and then elsewhere.
+    """Shows the progress of runs: a bar on a terminal, a line now and then elsewhere.
 
     ``stream`` is standard error unless given; ``every`` [s] of wall time apart are the lines that
     go to a file or a pipe (the last one always comes).
     """
 
     def __init__(self, *, stream: TextIO | None = None, every: float = 10.0) -> None:
-        self._stream = sys.stderr if stream is None else stream
-        self._every = every
-        self._printed_at = -math.inf
+        self._display = Display(stream=stream, every=every)
 
     def __call__(self, progress: Progress) -> None:
-        """Print if it is time to."""
-        text = line(progress)
-        if self._stream.isatty():
-            width = shutil.get_terminal_size().columns - 1
-            end = "\n" if progress.over else ""
-            self._stream.write("\r" + text[:width].ljust(width) + end)
-        elif progress.over or progress.wall - self._printed_at >= self._every:
-            self._printed_at = -math.inf if progress.over else progress.wall
-            self._stream.write(text + "\n")
-        self._stream.flush()
+        """Show it if it is time to."""
+        p = progress
+        self._display.show(p.percent, state(p), at=p.wall, last=p.over)
 
 
-def line(progress: Progress) -> str:
-    """``42.0 %  t = 0.042 s of 0.1 s  310 steps, 95.1 steps/s, 4.2 s left, ...``."""
+def state(progress: Progress) -> str:
+    """``t = 0.042 of 0.1 s, 310 steps, 95.1 steps/s, 4.2 s left, ...``."""
     p = progress
     parts = [f"t = {p.time:.5g} of {p.until:.5g} s", f"{p.step} steps", f"dt {p.dt:.3g} s"]
     if math.isfinite(p.steps_per_second):
@@ -182,7 +172,7 @@ def line(progress: Progress) -> str:
         parts.append(_energy(p))
     if math.isfinite(p.folded_since):
         parts.append(f"positions folded since t = {p.folded_since:.4g} s")
-    return f"{p.percent:5.1f} %  " + ", ".join(parts)
+    return ", ".join(parts)
 
 
 def _energy(p: Progress) -> str:
@@ -191,13 +181,3 @@ def _energy(p: Progress) -> str:
     if not p.driven and p.start_energy > 0.0 and abs(p.energy) < 100.0 * p.start_energy:
         return f"energy change {100.0 * p.energy_change / p.start_energy:+.2g} %"
     return f"energy {p.energy:.3g} J"
-
-
-def duration(seconds: float) -> str:
-    """``4.1 s``, ``2 min 05 s`` or ``1 h 10 min``."""
-    if seconds < 60.0:
-        return f"{seconds:.1f} s"
-    minutes, rest = divmod(round(seconds), 60)
-    if minutes < 60:
-        return f"{minutes} min {rest:02d} s"
-    return f"{minutes // 60} h {minutes % 60:02d} min"

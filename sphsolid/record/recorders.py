@@ -25,9 +25,9 @@ class Recorder(Protocol):
         ...
 
 
-def asks_for_balance(recorders: Sequence[Recorder]) -> bool:
-    """True when a recorder has a true ``needs_balance``: the solver then keeps an account."""
-    return any(getattr(recorder, "needs_balance", False) for recorder in recorders)
+def asks_for_budget(recorders: Sequence[Recorder]) -> bool:
+    """True when a recorder has a true ``needs_budget``: the solver then keeps its budget."""
+    return any(getattr(recorder, "needs_budget", False) for recorder in recorders)
 
 
 @dataclass(frozen=True)

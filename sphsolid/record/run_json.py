@@ -90,13 +90,13 @@ class RunJson:
         self._write()
 
     def end(self, failure: BaseException | None, *, records: int) -> None:
-        """How the run ended; a lost solution with all that is known about it."""
+        """How the run ended; a diverged solution with all that is known about it."""
         self._content |= {
             "status": _status(failure),
             "time_s": self._solver.time,
             "step": self._solver.step,
             "records": records,
-            "positions": self._solver.positions.account(),
+            "positions": self._solver.positions.report(),
             "ended": _now(),
         }
         if isinstance(failure, Diverged):

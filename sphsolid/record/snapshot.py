@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from collections.abc import Mapping
+from dataclasses import dataclass, field, fields
 from typing import Any
 
 import numpy as np
@@ -11,7 +12,7 @@ from numpy.typing import NDArray
 from sphsolid.continuum import law
 from sphsolid.errors import InputError
 from sphsolid.geometry.mesh import Mesh, read_only
-from sphsolid.record.balance import NOT_TRACKED, Balance, NotTracked
+from sphsolid.record.budget import NOT_TRACKED, Budget, NotTracked
 from sphsolid.record.placement import (
     NO_SECONDARY_GRADIENT,
     NoSecondaryGradient,
@@ -44,8 +45,9 @@ class Snapshot:
     element method (its superconvergent points).  ``strain_energy`` [J], zero in the undeformed
     state, and ``kinetic_energy`` [J] are totals with the method's own quadrature;
     ``volumetric_energy`` [J] is the part ``sum V U(J)`` of the strain energy, ``U`` the volumetric
-    energy of the law.  ``balance`` says where energy and momentum went, when a recorder asked for
-    it; ``secondary`` is the gradient of ``x`` at the secondary particles, where there are any.
+    energy of the law.  ``budget`` says where energy and momentum went, when a recorder asked for
+    it; ``secondary`` is the gradient of ``x`` at the secondary particles, where there are any;
+    ``further`` are the fields of a user's own terms ``(N, ...)`` at the primary points.
     Nobody writes to its arrays: one recorder must not change what the next one sees.
     """
 
@@ -63,8 +65,9 @@ class Snapshot:
     J: Array
     P: Array
     strain_energy: float
-    balance: Balance | NotTracked = NOT_TRACKED
+    budget: Budget | NotTracked = NOT_TRACKED
     secondary: SecondaryGradient | NoSecondaryGradient = NO_SECONDARY_GRADIENT
+    further: Mapping[str, Array] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         """Arrays are kept as views that cannot be written to."""
@@ -126,8 +129,10 @@ class Snapshot:
         """A field and its points; raises ``InputError`` for a name that is none of these.
 
         ``p``, ``u``, ``v`` at the primary points; ``P``, ``cauchy``, ``F``, ``J``, ``pressure``,
-        ``von_mises`` where the law is evaluated.
+        ``von_mises`` where the law is evaluated; fields of a user's own terms by their names.
         """
+        if name in self.further:
+            return PointField(self.X, self.V, self.further[name])
         if name in ("p", "u", "v"):
             values = {"p": self.momentum, "u": self.displacement, "v": self.velocity}[name]
             return PointField(self.X, self.V, values)

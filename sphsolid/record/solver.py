@@ -67,8 +67,8 @@ class Solver(Protocol):
         """Count on from ``totals``: what the run had cost up to the state that was put back."""
         ...
 
-    def track_balance(self) -> None:
-        """Account for energy and momentum from now on."""
+    def track_budget(self) -> None:
+        """Keep the budget of energy and momentum from now on."""
         ...
 
     def state_arrays(self) -> dict[str, NDArray[Any]]:

@@ -1,8 +1,8 @@
 """The one door through which a scene's functions are asked: initial data, motions, loads, answers.
 
 What a function gets cannot be written to, so that ``X -= centre`` is refused instead of moving the
-body.  What it returns must be an array of exactly the shape that is asked for, numbers, all finite;
-it is copied, so that a function may keep its array and write to it later.
+body.  What it returns must be an array of finite numbers, of exactly the shape that is asked for.
+It is copied, so that a function may keep its array and write to it later.
 """
 
 from __future__ import annotations

@@ -1,13 +1,13 @@
 """A plate with a hole, pulled slowly: the static stress concentration by an explicit method.
 
-A quarter of a square plate ``|X|, |Y| <= W`` with a hole of radius ``a`` about the Z axis, rollers
-on its two planes of symmetry and a traction ``s(t) S`` along Y at ``Y = W``.  The load rises over
-several periods of the plate's slowest mode,
+The body is a quarter of a square plate ``|X|, |Y| <= W`` with a hole of radius ``a`` about the Z
+axis.  It has rollers on its two planes of symmetry, and a traction ``s(t) S`` along Y at ``Y = W``.
+The load rises over several periods of the plate's slowest mode,
 
     s(t) = x^3 (10 - 15 x + 6 x^2),   x = min(t / rise, 1),
 
-with two continuous derivatives, and then holds, so that the body is nearly at rest: what is left of
-the slowest mode is some thousandths of the static answer, and an average over the hold takes most
+with two continuous derivatives.  Then it holds, so that the body is nearly at rest.  What is left
+of the slowest mode is some thousandths of the static answer.  An average over the hold takes most
 of that away.
 
 The hoop stress is largest at ``X = a, Y = 0``.  Over ``S``, the stress of the *gross* section:

@@ -7,9 +7,10 @@ top face goes down and bulges up.
 Published: geometry, rollers, the velocity and that it acts "on a region of the top face", E, nu,
 rho0, the lattices 21x11x3 and 41x21x4 (X, Z, Y), 0.015 s for the comparison.  Not published: the
 region, and whether the velocity is an initial value or stays.  Ours, as options:
-``InitialVelocity`` (primary choice: the half ``X <= 0.5``, over the whole depth) and
-``HeldVelocity`` (``X <= 0.5`` of the top face moves down at that speed for good and slides under
-the punch; the only one of them that leads to the "extremely large distortions" of Fig. 12).
+
+* ``InitialVelocity``, the primary choice: the half ``X <= 0.5``, over the whole depth;
+* ``HeldVelocity``: ``X <= 0.5`` of the top face moves down at that speed for good and slides under
+  the punch.  Only this one leads to the "extremely large distortions" of Fig. 12.
 
 The cells are nominally 1.3 spacings wide in Y, which makes 1/20 and 1/40 the published lattices.
 """

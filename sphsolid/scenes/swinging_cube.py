@@ -1,8 +1,11 @@
 """The swinging cube ([Lee2017] section 8.1, Fig. 3): a standing wave with a known solution.
 
-``u = U0 cos(w t) [A s1 c2 c3, B c1 s2 c3, C c1 c2 s3]``, ``s_i = sin(pi X_i / 2)`` and
-``c_i = cos(pi X_i / 2)`` on the unit cube, rollers on ``X = 0, Y = 0, Z = 0`` and tangentially
-fixed faces ``X = 1, Y = 1, Z = 1``.
+On the unit cube, with ``s_i = sin(pi X_i / 2)`` and ``c_i = cos(pi X_i / 2)``,
+
+    u = U0 cos(w t) [A s1 c2 c3, B c1 s2 c3, C c1 c2 s3].
+
+There are rollers on ``X = 0, Y = 0, Z = 0``, and the faces ``X = 1, Y = 1, Z = 1`` are fixed
+tangentially.
 
 Published: geometry, conditions, E, nu, rho0.  Not published: the amplitude ``U0``, the
 coefficients of the convergence figure and the instant at which its error is taken.  Ours: ``U0``

@@ -2,9 +2,13 @@
 
 from sphsolid.scheme.formulation import PF, PFHJ, PFJ, PJ, Displacement, Formulation
 from sphsolid.scheme.initial_strain import Compatible, Equilibrated, Given, InitialStrain
+from sphsolid.scheme.integrator import Integrator, Stepper
 from sphsolid.scheme.intrinsic_time import IntrinsicTime, OfMesh, OfStep
+from sphsolid.scheme.operator import Operator
 from sphsolid.scheme.position_verlet import PositionVerlet
 from sphsolid.scheme.projection import LocalProjection, NoProjection
+from sphsolid.scheme.right_hand_side import RightHandSide
+from sphsolid.scheme.set_up import SetUp
 from sphsolid.scheme.ssp_rk3 import SSPRK3
 from sphsolid.scheme.stabilisation import (
     SUPG,
@@ -16,6 +20,9 @@ from sphsolid.scheme.stabilisation import (
     Stabilisation,
     StabilisedStrains,
 )
+from sphsolid.scheme.stage import Stage
+from sphsolid.scheme.state import Field, State
+from sphsolid.scheme.term import Term, TermOption
 from sphsolid.scheme.tvd_rk2 import TVDRK2
 
 __all__ = [
@@ -31,18 +38,28 @@ __all__ = [
     "Displacement",
     "Formulation",
     "Equilibrated",
+    "Field",
     "FullHessian",
     "Given",
     "InitialStrain",
+    "Integrator",
     "IntrinsicTime",
     "LocalProjection",
     "NoProjection",
     "NoStabilisation",
     "OfMesh",
     "OfStep",
+    "Operator",
     "PositionVerlet",
+    "RightHandSide",
     "SelfAdjoint",
+    "SetUp",
     "SimplifiedHessian",
     "Stabilisation",
     "StabilisedStrains",
+    "Stage",
+    "State",
+    "Stepper",
+    "Term",
+    "TermOption",
 ]

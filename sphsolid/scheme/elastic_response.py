@@ -10,9 +10,8 @@ from numpy.typing import NDArray
 from sphsolid.continuum.moduli import first_lame
 from sphsolid.continuum.tensor import Tensor, join, split
 from sphsolid.continuum.wave_speed import moduli_at_rest
-from sphsolid.fields import components, tensor_field, vector_field
-from sphsolid.scheme import galerkin
 from sphsolid.scheme.right_hand_side import RightHandSide
+from sphsolid.scheme.state import Field
 
 Array = NDArray[np.float64]
 #: Iterations of the power method; on disordered clouds 40 come within some per cent.
@@ -24,10 +23,9 @@ class ElasticResponse:
 
     def __init__(self, rhs: RightHandSide) -> None:
         self._rhs = rhs
-        size, major = rhs.cloud.size, rhs.cloud.particle_major
-        self._tensor = tensor_field(size, particle_major=major)
-        self._vector = vector_field(size)
-        self.V = rhs.cloud.V[:, None]
+        self._tensor = rhs.operator.zeros(Field("gradient", "tensor"))
+        self._vector = rhs.operator.zeros(Field("force", "vector"))
+        self.V = rhs.set_up.cloud.V[:, None]
 
     def gradient(self, f: Array) -> Tensor:
         """``sum_b f_b (x) G_b`` of ``f (N, 3)``, nine arrays."""
@@ -37,10 +35,7 @@ class ElasticResponse:
     def force(self, P: Tensor) -> Array:
         """``sum_b V_b P_b G_a(X_b)  (N, 3)`` [N] at free components."""
         self._tensor[:] = join(P)
-        galerkin.internal_force(
-            self._rhs.cloud.adjoint, components(self._tensor), components(self._vector),
-            self._rhs.scratch,
-        )  # fmt: skip
+        self._rhs.operator.internal_force(self._tensor, self._vector)
         self._rhs.essential.release(self._vector)
         return np.asarray(-self.V * self._vector)
 
@@ -58,7 +53,7 @@ def highest_frequency(rhs: RightHandSide) -> float:
     lam = first_lame(mu, kappa)
     mass = material.density * response.V
     # The force of a random pressure: it turns and mirrors with the body, and the estimate with it.
-    pressure = np.random.default_rng(0).uniform(-1.0, 1.0, rhs.cloud.size)
+    pressure = np.random.default_rng(0).uniform(-1.0, 1.0, rhs.operator.size)
     nothing = np.zeros_like(pressure)
     u = response.force(
         (pressure, nothing, nothing, nothing, pressure, nothing, nothing, nothing, pressure)

@@ -47,7 +47,7 @@ def equilibrated(rhs: RightHandSide, x: Array, stated: Array) -> Array:
     moved = x.copy()
     first = 0.0
     for _ in range(_MOST_STEPS):
-        F = problem.gradient(moved - rhs.cloud.middle)
+        F = problem.gradient(moved - rhs.set_up.cloud.middle)
         if np.max(np.abs(join(F) - stated)) <= _SAME:
             return moved
         lack = problem.force(tuple(s - p for s, p in zip(target, _piola(rhs, F), strict=True)))
@@ -56,13 +56,13 @@ def equilibrated(rhs: RightHandSide, x: Array, stated: Array) -> Array:
         if size <= REMAINDER * first:
             return _checked(moved, x, rhs)
         moved += problem.solve(F, lack)
-        if not np.all(np.abs(moved - x) <= LARGEST_MOVE * rhs.cloud.spacing):
+        if not np.all(np.abs(moved - x) <= LARGEST_MOVE * rhs.set_up.cloud.spacing):
             break
     return _checked(np.full_like(x, np.nan), x, rhs)
 
 
 def _checked(moved: Array, x: Array, rhs: RightHandSide) -> Array:
-    far = np.abs(moved - x) <= LARGEST_MOVE * rhs.cloud.spacing
+    far = np.abs(moved - x) <= LARGEST_MOVE * rhs.set_up.cloud.spacing
     if not np.all(far):
         raise InputError(
             "initial_strain = Equilibrated(): no positions within a tenth of the spacing exert the "

@@ -12,6 +12,10 @@ and ``V_a W~_a(X_q)`` in column 3, ``spread`` is its adjoint; how fields lie in 
 
 from __future__ import annotations
 
+from typing import Any, NamedTuple
+
+from numpy.typing import NDArray
+
 from sphsolid.compiled import kernel, prange
 from sphsolid.continuum import law
 from sphsolid.continuum.tensor import (
@@ -30,18 +34,81 @@ from sphsolid.scheme.tile import STRIDE, U, load_lane, store_lane
 
 #: Column of ``sample`` that interpolates.
 WEIGHT = 3
-# Scratch rows; R_F becomes P_fine in place.
+Rows = NDArray[Any]
+
+
+class Simplified(NamedTuple):
+    """Of eq. (27): ``rho0``, ``tau_F gamma``, ``xi_F alpha``, and whether ``F_x`` is wanted."""
+
+    density: float
+    tau_gamma: float
+    xi_alpha: float
+    keeps_F_x: bool
+
+
+class Matched(NamedTuple):
+    """What eq. (27) compares with one another."""
+
+    p: Rows
+    x: Rows
+    F: Rows
+    Fdot: Rows
+
+
+class Forms(NamedTuple):
+    """Of the general forms: the strains (28) or the Hessian (22)-(23), projected or not."""
+
+    strains: bool
+    projects: bool
+
+
+class Coefficients(NamedTuple):
+    """``tau`` [s] and ``xi`` [-] of ``F, H, J``; ``alpha`` [Pa]."""
+
+    tau_F: float
+    tau_H: float
+    tau_J: float
+    xi_F: float
+    xi_H: float
+    xi_J: float
+    alpha: float
+
+
+class Evolved(NamedTuple):
+    """Fields at the particles; ``H`` and ``J`` zero-length where they follow from ``F``."""
+
+    p: Rows
+    x: Rows
+    F: Rows
+    H: Rows
+    J: Rows
+
+
+class Rates(NamedTuple):
+    """Their rates, and what is found at ``q``: ``P_fine`` and ``F_x``."""
+
+    F: Rows
+    H: Rows
+    J: Rows
+    P_fine: Rows
+    F_x: Rows
+
+
+# Scratch rows; R_F becomes P_fine in place.  The gradient of the positions follows that of the
+# velocities.
 _R, _F_X, _FD, _FI, _HI, _HD, _JI, _JD = 0, 9, 18, 27, 36, 45, 54, 55
 
 
 @kernel
 def simplified(  # type: ignore[no-untyped-def]
-    sample, density, tau_gamma, xi_alpha, projects, keeps_F_x, p, x, F, Fdot, P_fine, F_x, scratch
+    sample, coefficients, projects, matched, P_fine, F_x, scratch
 ):
     """Eq. (27), ``P_fine = tau gamma R_F + xi alpha R_F^x``, projected when ``projects``.
 
     ``F_x (9, .)`` at ``q`` is written when ``keeps_F_x``; ``F`` is not read when ``xi = 0``.
     """
+    density, tau_gamma, xi_alpha, keeps_F_x = coefficients
+    p, x, F, Fdot = matched
     tiles, workers = len(sample.runs) - 1, len(scratch)
     for t in prange(workers):
         S = scratch[t]
@@ -49,7 +116,7 @@ def simplified(  # type: ignore[no-untyped-def]
         for tile in range(begin, end):
             at = tile * U(LANES)
             if projects or keeps_F_x or xi_alpha != 0.0:
-                on_tile.two_gradients(sample, tile, at, p, 1.0 / density, x, S, _R, _F_X)
+                on_tile.two_gradients(sample, tile, p, 1.0 / density, x, S, _R)
             else:
                 on_tile.gradient(sample, tile, at, p, 1.0 / density, S, _R)
             on_tile.interpolate_tensor(sample, WEIGHT, tile, at, Fdot, S, _FD)
@@ -72,20 +139,24 @@ def simplified(  # type: ignore[no-untyped-def]
 
 @kernel
 def general(  # type: ignore[no-untyped-def]
-    sample, material, strains_form, tau, xi, alpha, projects, has_H, has_J,
-    p, x, F, H, J, Fdot, Hdot, Jdot, P_fine, F_x, scratch,
-):  # fmt: skip
-    """Eqs. (22)-(23) or, when ``strains_form``, (28); slower, every field is interpolated.
+    sample, material, forms, coefficients, fields, rates, scratch
+):
+    """Eqs. (22)-(23) or, when ``strains``, (28); slower, every field is interpolated.
 
-    ``tau, xi (3,)`` for ``F, H, J`` [s], [-]; fields that are not evolved are taken from ``F``.
+    Fields that are not evolved are taken from ``F``.
     """
+    strains, projects = forms
+    tau_F, tau_H, tau_J, xi_F, xi_H, xi_J, alpha = coefficients
+    p, x, F, H, J = fields
+    Fdot, Hdot, Jdot, P_fine, F_x = rates
+    has_H, has_J = H.size > 0, J.size > 0
     tiles, workers = len(sample.runs) - 1, len(scratch)
     for t in prange(workers):
         S = scratch[t]
         begin, end = on_tile.share(t, workers, tiles)
         for tile in range(begin, end):
             at = tile * U(LANES)
-            on_tile.two_gradients(sample, tile, at, p, 1.0 / material.density, x, S, _R, _F_X)
+            on_tile.two_gradients(sample, tile, p, 1.0 / material.density, x, S, _R)
             on_tile.interpolate_tensor(sample, WEIGHT, tile, at, F, S, _FI)
             on_tile.interpolate_tensor(sample, WEIGHT, tile, at, Fdot, S, _FD)
             if has_H:
@@ -107,10 +178,10 @@ def general(  # type: ignore[no-untyped-def]
                 R_Fx = axpy(-1.0, Fi, F_q)
                 R_H = axpy(-1.0, Hd, cross(Fi, L))
                 R_J = contract(Hi, L) - Jd
-                if strains_form:
-                    F_st = axpy(tau[0], R_F, axpy(xi[0], R_Fx, Fi))
-                    H_st = axpy(tau[1], R_H, axpy(xi[1], axpy(-1.0, Hi, cofactor(F_q)), Hi))
-                    J_st = Ji + tau[2] * R_J + xi[2] * (determinant(F_q) - Ji)
+                if strains:
+                    F_st = axpy(tau_F, R_F, axpy(xi_F, R_Fx, Fi))
+                    H_st = axpy(tau_H, R_H, axpy(xi_H, axpy(-1.0, Hi, cofactor(F_q)), Hi))
+                    J_st = Ji + tau_J * R_J + xi_J * (determinant(F_q) - Ji)
                     if not has_H:
                         H_st = cofactor(F_st)
                     if not has_J:
@@ -119,9 +190,9 @@ def general(  # type: ignore[no-untyped-def]
                     P_q = axpy(-1.0, coarse, law.first_piola(material, F_st, H_st, J_st))
                 else:
                     S_F, S_H, S_J = law.hessian_action(
-                        material, Fi, Hi, Ji, scale(tau[0], R_F), scale(tau[1], R_H), tau[2] * R_J
+                        material, Fi, Hi, Ji, scale(tau_F, R_F), scale(tau_H, R_H), tau_J * R_J
                     )
-                    P_q = add(axpy(xi[0] * alpha, R_Fx, S_F), axpy(S_J, Hi, cross(S_H, Fi)))
+                    P_q = add(axpy(xi_F * alpha, R_Fx, S_F), axpy(S_J, Hi, cross(S_H, Fi)))
                 if projects:
                     P_q = project(P_q, F_q)
                 store_lane(P_q, S, _R, lane)

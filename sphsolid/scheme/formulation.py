@@ -9,6 +9,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
+from sphsolid.scheme.state import Field
+
 
 @dataclass(frozen=True)
 class Formulation:
@@ -18,6 +20,16 @@ class Formulation:
     evolves_F: ClassVar[bool]
     evolves_H: ClassVar[bool]
     evolves_J: ClassVar[bool]
+
+    @property
+    def fields(self) -> tuple[Field, ...]:
+        """What a state has of it: ``p``, ``x``, ``F``, and ``H`` and ``J`` where they evolve."""
+        strains: tuple[Field, ...] = (Field("F", "tensor", evolved=self.evolves_F),)
+        if self.evolves_H:
+            strains += (Field("H", "tensor"),)
+        if self.evolves_J:
+            strains += (Field("J"),)
+        return (Field("p", "vector"), Field("x", "vector", evolved=False), *strains)
 
 
 @dataclass(frozen=True)

@@ -1,11 +1,15 @@
 """Bubnov-Galerkin rates at the primary particles, [Lee2017] eqs. (31)-(32).
 
 Fields are component-major rows ``(components, .)`` (see ``fields``), operators ``PairOperator``.
+Arguments that belong together come in a flat ``NamedTuple``.  Two operators are two arguments:
+numba 0.68 does not lower a tuple that holds both.
 """
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, NamedTuple
+
+from numpy.typing import NDArray
 
 from sphsolid.compiled import inlined, kernel, prange
 from sphsolid.continuum import law
@@ -15,7 +19,39 @@ from sphsolid.scheme import tile as on_tile
 from sphsolid.scheme.projection import project
 from sphsolid.scheme.tile import STRIDE, U, load_lane, store_lane
 
-# Scratch rows of ``coarse``.
+Rows = NDArray[Any]
+
+
+class Passes(NamedTuple):
+    """What :func:`coarse` does: see there."""
+
+    adjoint: bool
+    needs_rates: bool
+    knows_L: bool
+    projects: bool
+
+
+class Given(NamedTuple):
+    """What :func:`coarse` reads: positions and fields, zero-length where they are not evolved."""
+
+    x: Rows
+    p: Rows
+    F: Rows
+    H: Rows
+    J: Rows
+
+
+class Found(NamedTuple):
+    """What :func:`coarse` writes: stress and rates, ``F_C`` the projected rate where wanted."""
+
+    P: Rows
+    F: Rows
+    H: Rows
+    J: Rows
+    F_C: Rows
+
+
+# Scratch rows of ``coarse``; the gradient of the positions follows that of the velocities.
 _L, _F_X, _F, _P, _H, _H_DOT, _J, _J_DOT = 0, 9, 18, 27, 36, 45, 54, 55
 
 
@@ -39,18 +75,19 @@ def _cofactor(S: Any, lane: Any, has_H: Any) -> Tensor:
 
 
 @kernel
-def coarse(  # type: ignore[no-untyped-def]
-    material, G_k, G_f, adjoint, has_H, has_J, needs_rates, knows_L, projects, projects_rate,
-    p, x, F, H, J, P, Fdot, Hdot, Jdot, Fdot_C, scratch,
-):  # fmt: skip
+def coarse(material, G_k, G_f, passes, given, found, scratch):  # type: ignore[no-untyped-def]
     """Eqs. (31b)-(31d) and the stress (9), projected by (40) when ``projects``.
 
     ``dF/dt = sum_b (p_b / rho0) (x) G_b``, ``dH/dt = F x grad v``, ``dJ/dt = H : grad v`` with the
     kinematic gradient ``G_k`` (when ``needs_rates``); ``F_x = sum_b x_b (x) G_b`` with the one
     whose adjoint makes the force, ``G_f``, the same one when ``adjoint``.  It is used at once and
-    never stored.  ``Fdot_C`` is the projected rate, when ``projects_rate``.  ``Fdot`` is read, not
-    written, when it is known already (``knows_L``).
+    never stored.  ``found.F_C`` is the projected rate, where it has a length.  ``found.F`` is read,
+    not written, when it is known already (``knows_L``).
     """
+    adjoint, needs_rates, knows_L, projects = passes
+    x, p, F, H, J = given
+    P, Fdot, Hdot, Jdot, Fdot_C = found
+    has_H, has_J, projects_rate = H.size > 0, J.size > 0, Fdot_C.size > 0
     tiles, workers = len(G_k.runs) - 1, len(scratch)
     for t in prange(workers):
         S = scratch[t]
@@ -64,7 +101,7 @@ def coarse(  # type: ignore[no-untyped-def]
                 on_tile.fetch(J, 1, at, S, _J)
             both = needs_rates and not knows_L and projects and adjoint
             if both:
-                on_tile.two_gradients(G_k, tile, at, p, 1.0 / material.density, x, S, _L, _F_X)
+                on_tile.two_gradients(G_k, tile, p, 1.0 / material.density, x, S, _L)
             elif projects:
                 on_tile.gradient(G_f, tile, at, x, 1.0, S, _F_X)
             if needs_rates:

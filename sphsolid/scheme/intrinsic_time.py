@@ -40,6 +40,11 @@ class OfMesh:
         object.__setattr__(self, "c", checked(self.c, "OfMesh: c"))
 
     @property
+    def follows_step(self) -> bool:
+        """False."""
+        return False
+
+    @property
     def unit(self) -> str:
         """``h/c_p``."""
         return "h/c_p"
@@ -57,6 +62,11 @@ class OfStep:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "c", checked(self.c, "OfStep: c"))
+
+    @property
+    def follows_step(self) -> bool:
+        """True where it asks anything of the step."""
+        return self.c > 0.0
 
     @property
     def unit(self) -> str:

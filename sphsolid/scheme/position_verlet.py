@@ -32,7 +32,8 @@ one that is symmetric itself.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 
@@ -41,11 +42,11 @@ from sphsolid.continuum.tensor import axpy, cofactor, contract, cross
 from sphsolid.fields import LANES, components, vector_field
 from sphsolid.scheme import tile as on_tile
 from sphsolid.scheme.boundary import EssentialConditions
-from sphsolid.scheme.power import Account, NoAccount
-from sphsolid.scheme.right_hand_side import RightHandSide, State
-from sphsolid.scheme.stabilisation import SUPG
-from sphsolid.scheme.stages import Stages, Stepper, moved
-from sphsolid.scheme.tile import STRIDE, U, load_lane, store_lane
+from sphsolid.scheme.energy_budget import NoBudget, StageBudget
+from sphsolid.scheme.right_hand_side import RightHandSide
+from sphsolid.scheme.stages import moved, pushed_by
+from sphsolid.scheme.state import State
+from sphsolid.scheme.tile import STRIDE, U, load_lane, make_scratch, store_lane
 
 # Scratch rows.
 _L, _F, _H, _J = 0, 9, 18, 27
@@ -61,7 +62,8 @@ def _rate_of_J(S, lane, has_H, a):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _drift(a, has_F, has_H, has_J, L, F, H, J, scratch):  # type: ignore[no-untyped-def]
+def _drift(a, has_F, L, F, H, J, scratch):  # type: ignore[no-untyped-def]
+    has_H, has_J = H.size > 0, J.size > 0
     tiles, workers = L.size // (9 * LANES), len(scratch)
     for t in prange(workers):
         S = scratch[t]
@@ -91,8 +93,9 @@ def _drift(a, has_F, has_H, has_J, L, F, H, J, scratch):  # type: ignore[no-unty
 
 
 @kernel
-def _kick_J(dt, has_H, L, F, H, Jdot, J, scratch):  # type: ignore[no-untyped-def]
+def _kick_J(dt, L, F, H, Jdot, J, scratch):  # type: ignore[no-untyped-def]
     # The drift has what the velocities do to J; what is left of its rate is D(J).
+    has_H = H.size > 0
     tiles, workers = L.size // (9 * LANES), len(scratch)
     for t in prange(workers):
         S = scratch[t]
@@ -126,6 +129,7 @@ class PositionVerlet:
 
     name: str = "position Verlet"
     stages: int = 1
+    usual_cfl: ClassVar[float] = 0.7
 
     def stepper(
         self, rhs: RightHandSide, state: State, essential: EssentialConditions
@@ -134,7 +138,7 @@ class PositionVerlet:
         return PositionVerletStepper(rhs, state, essential)
 
 
-class PositionVerletStepper(Stepper):
+class PositionVerletStepper:
     """Advances one state in place."""
 
     def __init__(
@@ -143,12 +147,18 @@ class PositionVerletStepper(Stepper):
         self.rhs = rhs
         self.state = state
         self.essential = essential
-        self.account: Account | NoAccount = NoAccount()
+        self.budget: StageBudget | NoBudget = NoBudget()
         # Of the start of a step nothing but p is needed later on.
-        self.work = Stages([], [], [], vector_field(len(state.p)))
-        f, supg = rhs.formulation, rhs.stabilisation
-        self._damps_J = isinstance(supg, SUPG) and supg.damps_J
-        self._drifts = f.evolves_F or f.evolves_H or f.evolves_J
+        self._p_start = vector_field(len(state.p))
+        self._scratch = make_scratch()
+        self._kicks_J = any("J" in term.changes for term in rhs.terms)
+        self._drifts = any(name in rhs.evolved for name in "FHJ")
+        #: Fields that no drift moves, with their rates.
+        self._pushed = [
+            tuple(components(fields[name]).reshape(-1) for fields in (state, rhs.rates))
+            for name in rhs.evolved
+            if name not in "pFHJ"
+        ]
         # Which velocities rhs.rates.F is the gradient of.
         self._p_of_L = vector_field(len(state.p) if self._drifts else 0)
         self._p_of_L[:] = np.nan
@@ -156,7 +166,7 @@ class PositionVerletStepper(Stepper):
     def advance(self, dt: float, t: float) -> None:
         """From ``t`` to ``t + dt``."""
         rhs, state, essential = self.rhs, self.state, self.essential
-        p_start, half = self.work.p_start, t + 0.5 * dt
+        p_start, half = self._p_start, t + 0.5 * dt
         self._drift(0.5 * dt)
         rates = rhs.evaluate(state, state.x, half, knows_L=self._drifts)
         p_start[:] = state.p
@@ -164,20 +174,14 @@ class PositionVerletStepper(Stepper):
         held = essential.particles
         pushed = state.p[held]
         essential.impose(state.p, t + dt)
-        if isinstance(self.account, Account):
-            # What the conditions add to p is the constraint's doing, and every force works with
-            # the mean velocity of the step, so that the kinetic energy is accounted for exactly.
-            rhs.reaction += (state.p[held] - pushed) / dt
-            mean = replace(state, p=0.5 * (p_start + state.p))
-            rhs.kinematic_gradient(mean.p, 1.0 / rhs.material.density, rates.F)
-            self.account.stage(mean, state.x, dt, half)
-            rhs.kinematic_gradient(p_start, 1.0 / rhs.material.density, rates.F)
-        if self._damps_J:
+        self.budget.kick(state, p_start, pushed, dt, half)
+        for field, rate in self._pushed:
+            pushed_by(dt, rate, field)
+        if self._kicks_J:
             _, F, H, J = state.rows()
             _kick_J(
-                dt, rhs.formulation.evolves_H, components(rates.F), F, H, components(rates.J), J,
-                rhs.scratch,
-            )  # fmt: skip
+                dt, components(rhs.rates.F), F, H, components(rhs.rates.J), J, self._scratch
+            )
         self._drift(0.5 * dt)
 
     def _drift(self, a: float) -> None:
@@ -190,10 +194,7 @@ class PositionVerletStepper(Stepper):
                 rhs.kinematic_gradient(state.p, 1.0 / density, rhs.rates.F)
                 self._p_of_L[:] = state.p
             _, F, H, J = state.rows()
-            _drift(
-                a, f.evolves_F, f.evolves_H, f.evolves_J, components(rhs.rates.F), F, H, J,
-                rhs.scratch,
-            )  # fmt: skip
+            _drift(a, f.evolves_F, components(rhs.rates.F), F, H, J, self._scratch)
         moved(state.x, a / density, (0.5, 0.5), state.p, state.p, state.x)
         if not f.evolves_F:
             rhs.deformation_gradient(state.x, state.F)

@@ -8,6 +8,7 @@ The nearest ``P^C`` to ``P`` for which ``P^C F_x^T`` is symmetric (eq. (15)):
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import ClassVar, Protocol
 
 from sphsolid.compiled import inlined
 from sphsolid.continuum.tensor import (
@@ -19,19 +20,34 @@ from sphsolid.continuum.tensor import (
     transpose,
     vector_cross,
 )
+from sphsolid.protocols import check_protocol
 
 
 @dataclass(frozen=True)
 class LocalProjection:
     """Project ``P`` and ``P_fine`` at every particle in every stage (the default)."""
 
+    projects: ClassVar[bool] = True
+
 
 @dataclass(frozen=True)
 class NoProjection:
     """Use the stresses as they come: angular momentum drifts in mixed formulations."""
 
+    projects: ClassVar[bool] = False
 
-AngularMomentumTreatment = LocalProjection | NoProjection
+
+class AngularMomentumTreatment(Protocol):
+    """Whether stresses are projected."""
+
+    projects: ClassVar[bool]
+
+
+def check_projection(treatment: object) -> None:
+    """Raise ``InputError`` unless ``treatment`` keeps the protocol."""
+    check_protocol(
+        "angular_momentum", treatment, ("projects",), "use LocalProjection() or NoProjection()"
+    )
 
 
 @inlined

@@ -34,14 +34,16 @@ the symplectic method itself, need no projection, and are second order (``sum b 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from sphsolid.fields import vector_field
 from sphsolid.scheme.boundary import EssentialConditions
-from sphsolid.scheme.right_hand_side import RightHandSide, State
-from sphsolid.scheme.stages import Stepper, moved
+from sphsolid.scheme.right_hand_side import RightHandSide
+from sphsolid.scheme.stages import RungeKuttaStepper, moved
+from sphsolid.scheme.state import State
 
 Array = NDArray[np.float64]
 
@@ -52,6 +54,7 @@ class SSPRK3:
 
     name: str = "SSP-RK3"
     stages: int = 3
+    usual_cfl: ClassVar[float] = 0.5
 
     def stepper(
         self, rhs: RightHandSide, state: State, essential: EssentialConditions
@@ -60,7 +63,7 @@ class SSPRK3:
         return SSPRK3Stepper(rhs, state, essential)
 
 
-class SSPRK3Stepper(Stepper):
+class SSPRK3Stepper(RungeKuttaStepper):
     """Advances one state in place."""
 
     def __init__(
@@ -75,25 +78,25 @@ class SSPRK3Stepper(Stepper):
         step, p_start = dt / rhs.material.density, self.work.p_start
 
         rhs.evaluate(state, state.x, t)
-        self.account.stage(state, state.x, dt / 6.0, t)
+        self.budget.stage(state, state.x, dt / 6.0, t)
         stages.first(dt)
         # Weights: the share of a jump of p made here that is still in p^{n+1}.
-        self.account.impose(self.essential, state, t + dt, 1.0 / 6.0)
+        self.budget.impose(self.essential, state, t + dt, 1.0 / 6.0)
 
         moved(state.x, step, (5.0 / 6.0, 1.0 / 6.0), p_start, state.p, y)
         self._take_geometry(y)
         rhs.evaluate(state, y, t + dt)
-        self.account.stage(state, y, dt / 6.0, t + dt)
+        self.budget.stage(state, y, dt / 6.0, t + dt)
         moved(state.x, step, (2.0 / 3.0, 1.0 / 6.0), p_start, state.p, y)
         stages.convex(0.75, dt)
-        self.account.impose(self.essential, state, t + 0.5 * dt, 2.0 / 3.0)
+        self.budget.impose(self.essential, state, t + 0.5 * dt, 2.0 / 3.0)
 
         moved(y, -step / 3.0, (0.5, 0.5), state.p, state.p, y)
         self._take_geometry(y)
         rhs.evaluate(state, y, t + 0.5 * dt)
-        self.account.stage(state, y, 2.0 * dt / 3.0, t + 0.5 * dt)
+        self.budget.stage(state, y, 2.0 * dt / 3.0, t + 0.5 * dt)
         stages.convex(1.0 / 3.0, dt)
-        self.account.impose(self.essential, state, t + dt, 1.0)
+        self.budget.impose(self.essential, state, t + dt, 1.0)
 
         moved(y, step, (0.25, 0.25), state.p, state.p, state.x)
         self._take_geometry(state.x)

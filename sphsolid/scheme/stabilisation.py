@@ -7,92 +7,41 @@ An intrinsic time is one of the mesh, ``OfMesh(c)``, or of the step, ``OfStep(c)
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any
+from typing import ClassVar, Protocol
 
 from sphsolid.cloud.secondary import H1, SecondaryPoints
 from sphsolid.errors import InputError
+from sphsolid.protocols import check_protocol
+from sphsolid.scheme.fine_scale_forms import (
+    NO_TIME,
+    FineScale,
+    FullHessian,
+    SimplifiedHessian,
+    StabilisedStrains,
+    check_coefficients,
+    take_times,
+)
 from sphsolid.scheme.formulation import Formulation
-from sphsolid.scheme.intrinsic_time import IntrinsicTime, OfStep, Times, Units, as_time, checked
+from sphsolid.scheme.intrinsic_time import IntrinsicTime, OfStep, Times, Units, as_time
+from sphsolid.scheme.set_up import SetUp
+from sphsolid.scheme.supg import SUPGTerm
+from sphsolid.scheme.term import TermOption, check_term_option
 
-#: ``tau = dt`` of [Lee2017], and none.
-ONE_STEP, NO_TIME = OfStep(1.0), OfStep(0.0)
+__all__ = [
+    "SUPG", "AsPrinted", "FineScale", "FullHessian", "NoStabilisation", "SelfAdjoint",
+    "SimplifiedHessian", "Stabilisation", "StabilisedStrains", "Weighting", "check_formulation",
+    "check_pair",
+]  # fmt: skip
 
-
-def _check_coefficients(owner: object, *names: str) -> None:
-    """Raise ``InputError`` unless each named attribute is ``None`` or finite and >= 0."""
-    for name in names:
-        value = getattr(owner, name)
-        if value is not None:
-            checked(value, f"{type(owner).__name__}: {name}")
-
-
-def _take_times(owner: object, *names: str) -> None:
-    """Make each named attribute an intrinsic time; raises ``InputError`` as ``as_time`` does."""
-    for name in names:
-        time = as_time(getattr(owner, name), f"{type(owner).__name__}: {name}")
-        object.__setattr__(owner, name, time)
-
-
-@dataclass(frozen=True)
-class SimplifiedHessian:
-    """Eq. (27): ``P_fine = tau_F gamma R_F + xi_F alpha R_F^x``.
-
-    ``gamma`` [Pa] defaults to the bulk modulus, ``alpha`` [Pa] to the shear modulus.
-    """
-
-    gamma: float | None = None
-    alpha: float | None = None
-
-    def __post_init__(self) -> None:
-        _check_coefficients(self, "gamma", "alpha")
-
-    def moduli(self, material: Any) -> tuple[float, float]:
-        """``gamma, alpha`` [Pa] for a material."""
-        return (
-            material.kappa if self.gamma is None else self.gamma,
-            material.mu if self.alpha is None else self.alpha,
-        )
-
-
-@dataclass(frozen=True)
-class FullHessian:
-    """Eqs. (22)-(23): the fine-scale conjugate stresses by the Hessian of the energy.
-
-    ``tau_H``, ``tau_J`` are intrinsic times; ``xi_F alpha R_F^x`` is kept as in (27).
-    """
-
-    tau_H: IntrinsicTime | float = NO_TIME
-    tau_J: IntrinsicTime | float = NO_TIME
-    alpha: float | None = None
-
-    def __post_init__(self) -> None:
-        _take_times(self, "tau_H", "tau_J")
-        _check_coefficients(self, "alpha")
-
-
-@dataclass(frozen=True)
-class StabilisedStrains:
-    """Eq. (28), variational multi-scale: ``P_fine = P(F_st, H_st, J_st) - P(F, H, J)``.
-
-    ``F_st = F + tau_F R_F + xi_F R_F^x`` and likewise for ``H`` and ``J``.
-    """
-
-    tau_H: IntrinsicTime | float = NO_TIME
-    tau_J: IntrinsicTime | float = NO_TIME
-    xi_H: float = 0.0
-    xi_J: float = 0.0
-
-    def __post_init__(self) -> None:
-        _take_times(self, "tau_H", "tau_J")
-        _check_coefficients(self, "xi_H", "xi_J")
-
-
-FineScale = SimplifiedHessian | FullHessian | StabilisedStrains
+#: ``tau = dt`` of [Lee2017].
+ONE_STEP = OfStep(1.0)
 
 
 @dataclass(frozen=True)
 class AsPrinted:
     """Eq. (34): the fine stress is tested with ``G_a(X_q)`` alone, so ``v . D(p)`` has no sign."""
+
+    is_self_adjoint: ClassVar[bool] = False
 
 
 @dataclass(frozen=True)
@@ -107,12 +56,17 @@ class SelfAdjoint:
     Not in [Lee2017]; the orthogonal-subscale idea of [Codina2000].
     """
 
+    is_self_adjoint: ClassVar[bool] = True
 
-Weighting = AsPrinted | SelfAdjoint
+
+class Weighting(Protocol):
+    """How ``D(p)`` is tested."""
+
+    is_self_adjoint: ClassVar[bool]
 
 
 @dataclass(frozen=True)
-class NoStabilisation:
+class NoStabilisation(TermOption):
     """Bubnov-Galerkin alone: no secondary particles are made."""
 
     @property
@@ -120,12 +74,13 @@ class NoStabilisation:
         """``none``."""
         return "none"
 
-    def check(self, formulation: Formulation) -> None:
-        """Every formulation runs without stabilisation."""
+    def terms(self, set_up: SetUp) -> tuple[()]:
+        """None."""
+        return ()
 
 
 @dataclass(frozen=True)
-class SUPG:
+class SUPG(TermOption):
     """Streamline-upwind Petrov-Galerkin terms ``D(p)`` and ``D(J)``.
 
     ``tau_F`` damps what the velocity gradient at ``q`` has beyond the interpolated rate of ``F``,
@@ -143,23 +98,21 @@ class SUPG:
     weighting: Weighting = field(default_factory=AsPrinted)
 
     def __post_init__(self) -> None:
-        _take_times(self, "tau_F", "tau_p")
-        _check_coefficients(self, "xi_F")
-        if isinstance(self.secondary, type) or not hasattr(self.secondary, "place"):
-            raise InputError(
-                f"SUPG: secondary = {self.secondary!r} is unknown; use H1() or H6() on "
-                "hexahedra, Agglomerated() or T1() on tetrahedra and points"
-            )
-        if not isinstance(self.fine_scale, FineScale):
-            raise InputError(
-                f"SUPG: fine_scale = {self.fine_scale!r} is unknown; use SimplifiedHessian(), "
-                "FullHessian() or StabilisedStrains()"
-            )
-        if not isinstance(self.weighting, Weighting):
-            raise InputError(
-                f"SUPG: weighting = {self.weighting!r} is unknown; use AsPrinted() or SelfAdjoint()"
-            )
-        if self.is_self_adjoint and not isinstance(self.fine_scale, SimplifiedHessian):
+        take_times(self, "tau_F", "tau_p")
+        check_coefficients(self, "xi_F")
+        check_protocol(
+            "SUPG: secondary", self.secondary, ("name", "place"),
+            "use H1() or H6() on hexahedra, Agglomerated() or T1() on tetrahedra and points",
+        )
+        check_protocol(
+            "SUPG: fine_scale", self.fine_scale, ("writes_F_x", "has_adjoint", "fine_stress"),
+            "use SimplifiedHessian(), FullHessian() or StabilisedStrains()",
+        )
+        check_protocol(
+            "SUPG: weighting", self.weighting, ("is_self_adjoint",),
+            "use AsPrinted() or SelfAdjoint()",
+        )
+        if self.is_self_adjoint and not self.fine_scale.has_adjoint:
             raise InputError(
                 "SUPG: weighting = SelfAdjoint() needs fine_scale = SimplifiedHessian(); the other "
                 "forms have no adjoint of their own"
@@ -179,7 +132,7 @@ class SUPG:
     @property
     def is_self_adjoint(self) -> bool:
         """True when ``D(p)`` is tested with the operator that made its residual."""
-        return isinstance(self.weighting, SelfAdjoint)
+        return self.weighting.is_self_adjoint
 
     @property
     def damps_J(self) -> bool:
@@ -196,12 +149,15 @@ class SUPG:
     @property
     def follows_step(self) -> bool:
         """True when some time is one of the step."""
-        times = self.intrinsic_times.values()
-        return any(isinstance(time, OfStep) and time.c > 0.0 for time in times)
+        return any(time.follows_step for time in self.intrinsic_times.values())
 
     def seconds(self, units: Units) -> Times:
         """All intrinsic times [s]."""
         return Times(*(time.seconds(units) for time in self.intrinsic_times.values()))
+
+    def terms(self, set_up: SetUp) -> tuple[SUPGTerm]:
+        """One term, with secondary particles."""
+        return (SUPGTerm(self, set_up),)
 
     def check(self, formulation: Formulation) -> None:
         """Refuse pairs that cannot work, saying what to use instead."""
@@ -225,22 +181,19 @@ class SUPG:
             )
 
 
-Stabilisation = NoStabilisation | SUPG
+#: What stabilises: one of these, or a user's own that keeps the protocol of a term option.
+Stabilisation = TermOption
 
 
 def check_formulation(formulation: object) -> None:
     """Raise ``InputError`` unless it is a formulation."""
-    if not isinstance(formulation, Formulation):
-        raise InputError(
-            f"formulation = {formulation!r} is unknown; use PF(), PFJ(), PFHJ(), PJ() or "
-            "Displacement()"
-        )
+    check_protocol(
+        "formulation", formulation, ("name", "fields", "evolves_F", "evolves_H", "evolves_J"),
+        "use PF(), PFJ(), PFHJ(), PJ() or Displacement()",
+    )
 
 
-def check_pair(formulation: Formulation, stabilisation: object) -> None:
-    """Raise ``InputError`` unless the stabilisation is known and fits the formulation."""
-    if not isinstance(stabilisation, NoStabilisation | SUPG):
-        raise InputError(
-            f"stabilisation = {stabilisation!r} is unknown; use SUPG(...) or NoStabilisation()"
-        )
+def check_pair(formulation: Formulation, stabilisation: TermOption) -> None:
+    """Raise ``InputError`` unless the stabilisation is one and fits the formulation."""
+    check_term_option("stabilisation", stabilisation, "use SUPG(...) or NoStabilisation()")
     stabilisation.check(formulation)

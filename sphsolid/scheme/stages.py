@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 from sphsolid.compiled import kernel, prange
 from sphsolid.fields import components
 from sphsolid.scheme.boundary import EssentialConditions
-from sphsolid.scheme.formulation import Formulation
-from sphsolid.scheme.power import Account, NoAccount
-from sphsolid.scheme.right_hand_side import RightHandSide, State
+from sphsolid.scheme.energy_budget import NoBudget, StageBudget
+from sphsolid.scheme.right_hand_side import RightHandSide
+from sphsolid.scheme.state import State
 
 Array = NDArray[np.float64]
 
@@ -22,6 +22,13 @@ def _first(dt, U, rate, saved):  # type: ignore[no-untyped-def]
     for i in prange(len(U)):
         saved[i] = U[i]
         U[i] = U[i] + dt * rate[i]
+
+
+@kernel
+def pushed_by(dt, rate, U):  # type: ignore[no-untyped-def]
+    """``U += dt R`` for flat ``U`` and ``R``."""
+    for i in prange(len(U)):
+        U[i] += dt * rate[i]
 
 
 @kernel
@@ -58,16 +65,14 @@ class Stages:
     p_start: Array
 
     @classmethod
-    def of(
-        cls, state: State, rates: State, formulation: Formulation, *, particle_major: bool
-    ) -> Stages:
-        """Views of ``state`` and ``rates``, and room for the start of a step."""
-        start = State.zeros(len(state.p), formulation, particle_major=particle_major)
-        fields, flat, saved = (
-            [components(field).reshape(-1) for field in fields.evolved(formulation)]
-            for fields in (state, rates, start)
+    def of(cls, rhs: RightHandSide, state: State) -> Stages:
+        """Views of ``state`` and of the rates, and room for the start of a step."""
+        start = rhs.zeros()
+        fields, rates, saved = (
+            [components(fields[name]).reshape(-1) for name in rhs.evolved]
+            for fields in (state, rhs.rates, start)
         )
-        return cls(fields, flat, saved, start.p)
+        return cls(fields, rates, saved, start.p)
 
     def first(self, dt: float) -> None:
         """``U = U^n + dt R``, keeping ``U^n``."""
@@ -80,8 +85,8 @@ class Stages:
             _convex(share, dt, saved, rate, field)
 
 
-class Stepper:
-    """What every integrator advances in place; ``account`` is told of every stage."""
+class RungeKuttaStepper:
+    """What the steppers of several stages share; ``budget`` is told of every stage."""
 
     def __init__(
         self, rhs: RightHandSide, state: State, essential: EssentialConditions
@@ -89,7 +94,5 @@ class Stepper:
         self.rhs = rhs
         self.state = state
         self.essential = essential
-        self.account: Account | NoAccount = NoAccount()
-        self.work = Stages.of(
-            state, rhs.rates, rhs.formulation, particle_major=rhs.cloud.particle_major
-        )
+        self.budget: StageBudget | NoBudget = NoBudget()
+        self.work = Stages.of(rhs, state)

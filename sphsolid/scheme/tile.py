@@ -266,9 +266,10 @@ def gradient(  # type: ignore[no-untyped-def]
 
 @register_jitable
 def two_gradients(  # type: ignore[no-untyped-def]
-    A, tile, at, f, factor, h, S, row_f, row_h
+    A, tile, f, factor, h, S, row_f
 ):
-    """``factor sum_b f_b (x) G_b`` and ``sum_b h_b (x) G_b``, nine rows each."""
+    """``factor sum_b f_b (x) G_b`` and ``sum_b h_b (x) G_b``, nine rows each, one after another."""
+    at, row_h = tile * U(LANES), row_f + 9
     for run in range(A.runs[tile], A.runs[tile + U(1)]):
         _run_gradient(A, run, at, f, factor, S, row_f)
         _run_gradient(A, run, at, h, 1.0, S, row_h)

@@ -13,7 +13,7 @@ from sphsolid.continuum.wave_speed import THINNEST, smallest_stretch
 from sphsolid.errors import Diverged, InputError, require
 from sphsolid.fields import LANES
 from sphsolid.scheme import tile as on_tile
-from sphsolid.scheme.right_hand_side import State
+from sphsolid.scheme.state import State
 from sphsolid.scheme.tile import STRIDE, U, load_lane
 
 Array = NDArray[np.float64]
@@ -24,8 +24,9 @@ ADVICE = (
 
 
 @kernel
-def _stretch_limits(has_J, p, F, J, limit, scratch):  # type: ignore[no-untyped-def]
+def _stretch_limits(p, F, J, limit, scratch):  # type: ignore[no-untyped-def]
     # The smallest stretch of a valid particle; -1 for J <= 0; -2 for a non-finite state.
+    has_J = J.size > 0
     tiles, workers = len(limit) // LANES, len(scratch)
     for t in prange(workers):
         S = scratch[t]
@@ -78,17 +79,16 @@ class TimeStep:
         self.crossing = h_min / wave_speed
         self.reference = cfl * h_min / wave_speed
         self._size = size
+        self._scratch = on_tile.make_scratch()
         self._limit = np.empty(-(-size // LANES) * LANES)
 
-    def stable(
-        self, has_J: bool, state: State, X: Array, time: float, step: int, scratch: Array
-    ) -> float:
+    def stable(self, state: State, X: Array, time: float, step: int) -> float:
         """``dt`` [s] now; raises ``Diverged`` naming the first invalid particle.
 
         Invalid: a field that is not finite, ``J <= 0``, a stretch below ``THINNEST``.
         """
         p, F, _, J = state.rows()
-        _stretch_limits(has_J, p, F, J, self._limit, scratch)
+        _stretch_limits(p, F, J, self._limit, self._scratch)
         limit = self._limit[: self._size]
         least = float(np.min(limit))
         if least < THINNEST:

@@ -14,11 +14,13 @@ Undamped modes grow, by ``(w dt)^4 / 8`` a step: see ``ssp_rk3``.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 from sphsolid.fields import vector_field
 from sphsolid.scheme.boundary import EssentialConditions
-from sphsolid.scheme.right_hand_side import RightHandSide, State
-from sphsolid.scheme.stages import Stepper, moved
+from sphsolid.scheme.right_hand_side import RightHandSide
+from sphsolid.scheme.stages import RungeKuttaStepper, moved
+from sphsolid.scheme.state import State
 
 
 @dataclass(frozen=True)
@@ -27,6 +29,7 @@ class TVDRK2:
 
     name: str = "TVD-RK2"
     stages: int = 2
+    usual_cfl: ClassVar[float] = 0.3
 
     def stepper(
         self, rhs: RightHandSide, state: State, essential: EssentialConditions
@@ -35,7 +38,7 @@ class TVDRK2:
         return TVDRK2Stepper(rhs, state, essential)
 
 
-class TVDRK2Stepper(Stepper):
+class TVDRK2Stepper(RungeKuttaStepper):
     """Advances one state in place."""
 
     def __init__(
@@ -50,10 +53,10 @@ class TVDRK2Stepper(Stepper):
         step, p_start = dt / rhs.material.density, self.work.p_start
 
         rhs.evaluate(state, state.x, t)
-        self.account.stage(state, state.x, 0.5 * dt, t)
+        self.budget.stage(state, state.x, 0.5 * dt, t)
         stages.first(dt)
         # Half of a jump made here is averaged away: p^{n+1} = (p^n + p**) / 2.
-        self.account.impose(self.essential, state, t + dt, 0.5)
+        self.budget.impose(self.essential, state, t + dt, 0.5)
 
         if not rhs.formulation.evolves_F:
             moved(state.x, step, (0.5, 0.5), p_start, p_start, self._x_star)
@@ -61,8 +64,8 @@ class TVDRK2Stepper(Stepper):
         moved(state.x, step, (0.5, 0.5), p_start, state.p, state.x)
 
         rhs.evaluate(state, state.x, t + dt)
-        self.account.stage(state, state.x, 0.5 * dt, t + dt)
+        self.budget.stage(state, state.x, 0.5 * dt, t + dt)
         stages.convex(0.5, dt)
-        self.account.impose(self.essential, state, t + dt, 1.0)
+        self.budget.impose(self.essential, state, t + dt, 1.0)
         if not rhs.formulation.evolves_F:
             rhs.deformation_gradient(state.x, state.F)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -14,7 +13,7 @@ from sphsolid.geometry import Box, HexMesh, MeshFile, PointCloud, Surface, TetBo
 from sphsolid.geometry.body import AS_MESHED, Body, Spacing
 from sphsolid.geometry.point_file import read_points
 from sphsolid.geometry.refine import Refined
-from studies.harness.cases import ROOT
+from studies.engine.sources import ROOT
 
 KINDS = "lattice, jitter:J, tet, hex:FILE, tet:FILE, points:FILE[,SURFACE]"
 TAGS = ("X+", "X-", "Y+", "Y-", "Z+", "Z-")
@@ -138,16 +137,11 @@ def cloud_of(text: str) -> Cloud:
 
 
 def label_of(text: str) -> str:
-    """A short name for tables and folders: ``jitter 0.4``, ``tet``, ``hex cube_hex_8``."""
+    """A short name for tables: ``jitter 0.4``, ``tet``, ``hex cube_hex_8``."""
     kind, _, rest = text.partition(":")
     if not rest:
         return kind
     return f"{kind} {rest if kind == 'jitter' else Path(rest.split(',')[0]).stem}"
-
-
-def folder_of(text: str) -> str:
-    """:func:`label_of` in a form for file names."""
-    return re.sub(r"[^A-Za-z0-9.]+", "-", label_of(text)).strip("-")
 
 
 def cube_surface(cells: int) -> Surface:

@@ -1,11 +1,7 @@
 """``python -m studies.conservation``."""
 
-from __future__ import annotations
-
-import sys
-
-from studies.conservation.study import STUDY
-from studies.harness.front import main
+from studies.conservation import STUDY
+from studies.engine.study import run_study
 
 if __name__ == "__main__":
-    sys.exit(main(STUDY))
+    run_study(STUDY)

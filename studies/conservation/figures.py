@@ -2,31 +2,18 @@
 
 from __future__ import annotations
 
-from pathlib import Path
+from functools import partial
 from typing import Any
 
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 from matplotlib.ticker import FixedLocator, NullLocator
 
-from sphsolid.errors import InputError
-from studies.conservation.cases import LOAD_ENDS
-from studies.conservation.runs import (
-    CUBE,
-    ELEMENTS,
-    OPERATORS,
-    PACKAGE,
-    PAPER,
-    SHOT_TIMES,
-    block_case,
-    cube_case,
-)
-from studies.pictures.colours import limits
-from studies.pictures.panels import Layout, panel_figure
-from studies.pictures.shots import CELL, Absent, Frame, ShotFolder
-from studies.pictures.view import Around, angled_view
-from studies.report.plotting import (
+from studies.conservation.claims import ROUND_OFF
+from studies.conservation.runs import END, LOAD_ENDS, SHOT_TIMES, block_key
+from studies.engine.plotting import (
     BLACK,
     BLUE,
     GREEN,
@@ -36,55 +23,36 @@ from studies.report.plotting import (
     VERMILION,
     outside_legend,
     panels,
-    save_figure,
 )
+from studies.engine.results import Results, Tables
+from studies.measures.tables import select
+from studies.methods import B_BAR, PACKAGE, PAPER
+from studies.pictures.frame import Absent
+from studies.pictures.picture import Panel, Percentile, Picture, Plan
+from studies.pictures.view import Around, angled_view
 
-_COLOURS = {"Literal": VERMILION, "Consistent": BLUE}
-_NAMES = {"Literal": "as printed", "Consistent": "consistent"}
-_NOWHERE = Path()
-
-
-def block_key(operator: str, projection: str = "local", spacing: float = PAPER["spacing"]) -> str:
-    """Key of the run of the paper's setting with an operator."""
-    group = "all" if projection == "local" else "no projection"
-    changed = {"operator": operator, "projection": projection, "spacing": spacing}
-    return block_case(_NOWHERE, group, PAPER | changed).key
-
-
-def elements_key(spacing: float = PAPER["spacing"]) -> str:
-    """Key of the finite element run."""
-    return block_case(_NOWHERE, "elements", ELEMENTS | {"spacing": spacing}).key
-
-
-def package_key(spacing: float = PAPER["spacing"]) -> str:
-    """Key of the run with the defaults."""
-    return block_case(_NOWHERE, "defaults", PACKAGE | {"spacing": spacing}).key
+#: The paper's operator as printed is dashed, the consistent one is not.
+PRINTED, CONSISTENT = "paper, {p,F}, H6, Literal", "paper, {p,F}, H6, Consistent"
+LOOKS: dict[str, dict[str, Any]] = {
+    PRINTED: PAPER.look | {"linestyle": "--", "markerfacecolor": "white"},
+    CONSISTENT: PAPER.look,
+    PACKAGE.name: PACKAGE.look,
+    B_BAR.name: B_BAR.look | {"linestyle": "none", "markerfacecolor": "white"},
+}
 
 
-def momenta_figure(history: pd.DataFrame, stem: Path) -> Path:
-    """Components of both momenta over time, the phase of the tractions shaded (as Fig. 7)."""
-    figure, axes = panels(1, 2, width=3.6, height=2.9)
-    left, right = axes[0]
-    elements = history[history["key"] == elements_key()]
-    for axis, colour in zip("xyz", (BLUE, VERMILION, GREEN), strict=True):
-        for operator, style in (("Consistent", "-"), ("Literal", "--")):
-            run = history[history["key"] == block_key(operator)]
-            left.plot(
-                run["time"], run[f"L_{axis}"] / 1e5, style, color=colour,
-                label=f"{axis}, {_NAMES[operator]}",
-            )  # fmt: skip
-            right.plot(run["time"], run[f"p_{axis}"] / 1e-10, style, color=colour, linewidth=0.8)
-        every = max(1, len(elements) // 16)
-        left.plot(
-            elements["time"][::every], elements[f"L_{axis}"][::every] / 1e5, "o", color=colour,
-            markersize=3.2, markerfacecolor="white", label=f"{axis}, B-bar FEM",
-        )  # fmt: skip
-    left.set(ylabel="angular momentum [1e5 kg m²/s]", title="angular momentum about the origin")
-    right.set(ylabel="linear momentum [1e-10 kg m/s]", title="linear momentum, SUPG-SPH")
-    for ax in (left, right):
-        _shade(ax)
-    outside_legend(figure, [left], columns=3)
-    return save_figure(figure, stem)
+def _run(history: pd.DataFrame, method: str) -> pd.DataFrame:
+    """The records of a method at the published spacing."""
+    own = select(history, method=method, until=END)
+    return select(own, spacing=own["spacing"].max())
+
+
+def _lines(ax: Axes, history: pd.DataFrame, column: str, least: float = -np.inf) -> None:
+    """A line a method; a value of exactly nothing has no place on a log axis."""
+    for name, look in LOOKS.items():
+        run = _run(history, name)
+        every = max(1, len(run) // 10)
+        ax.plot(run["time"], np.maximum(run[column], least), label=name, markevery=every, **look)
 
 
 def _shade(axes: Axes) -> None:
@@ -97,29 +65,44 @@ def _shade(axes: Axes) -> None:
     axes.set_xlim(left=0.0)
 
 
-def drift_figure(history: pd.DataFrame, stem: Path) -> Path:
+def momenta(results: Results) -> Figure:
+    """Components of the angular momentum over time, and the linear momentum (as Fig. 7)."""
+    figure, axes = panels(2, 2, width=3.6, height=2.4)
+    history = results.tables["history"].copy()
+    for axis, ax in zip("xyz", axes.flat, strict=False):
+        history["shown"] = history[f"L_{axis}"] / 1e5
+        _lines(ax, history, "shown")
+        ax.set(ylabel=f"L_{axis} [1e5 kg m²/s]")
+    last = axes[1, 1]
+    _lines(last, history[history["time"] > 0.0], "linear", 1e-18)
+    _round_off(last)
+    last.set(yscale="log", ylabel="|Σ V p| / Σ V |p|  [-]", ylim=(1e-18, 1e-10))
+    for ax in axes.flat:
+        _shade(ax)
+    outside_legend(figure, axes.flat, columns=2)
+    return figure
+
+
+def drift(results: Results) -> Figure:
     """Angular momentum that no load gave, with and without the projection, on a log axis."""
-    figure, axes = panels(1, 1, width=5.2, height=3.0)
+    figure, axes = panels(1, 1, width=5.6, height=3.2)
     ax = axes[0, 0]
-    curves: list[tuple[str, str, dict[str, Any]]] = []
-    for operator in OPERATORS:
-        for projection, style in (("none", "--"), ("local", "-")):
-            what = "no projection" if projection == "none" else "projection"
-            curves.append(
-                (block_key(operator, projection), f"{_NAMES[operator]}, {what}",
-                 {"color": _COLOURS[operator], "linestyle": style})
-            )  # fmt: skip
-    curves.append((package_key(), "package defaults", {"color": GREEN}))
-    curves.append((elements_key(), "B-bar FEM", {"color": BLACK, "linestyle": ":"}))
-    for key, label, look in curves:
-        run = history[(history["key"] == key) & (history["time"] > 0.0)]
-        # A drift of exactly nothing has no place on a log axis.
-        ax.plot(run["time"], np.maximum(run["angular"], 1e-17), label=label, **look)
-    ax.axhline(1e-12, color="0.5", linewidth=0.8, linestyle=(0, (1, 2)))
+    history = results.tables["history"]
+    later = history[history["time"] > 0.0]
+    _lines(ax, later, "angular", 1e-17)
+    for name in (PRINTED, CONSISTENT):
+        run = _run(later, f"{name}, no projection")
+        look = LOOKS[name] | {"marker": "x", "markevery": max(1, len(run) // 10)}
+        ax.plot(run["time"], run["angular"], label=f"{name}, no projection", **look)
+    _round_off(ax)
     ax.set(yscale="log", ylabel="|drift of L| / Σ V |x| |p|  [-]", ylim=(5e-18, 3e-2))
     _shade(ax)
-    outside_legend(figure, [ax], columns=3)
-    return save_figure(figure, stem)
+    outside_legend(figure, [ax], columns=2)
+    return figure
+
+
+def _round_off(ax: Axes) -> None:
+    ax.axhline(ROUND_OFF, color="0.5", linewidth=0.8, linestyle=(0, (1, 2)))
 
 
 _TERMS = (
@@ -129,127 +112,114 @@ _TERMS = (
     ("volumetric", "strain energy, volumetric", ORANGE, "-"),
     ("dissipation", "dissipation D(p)", PURPLE, "--"),
     ("projection", "work of the projection", SKY, "--"),
-    ("rest", "rest", GREEN, ":"),
+    ("residual", "residual", GREEN, ":"),
 )
 
 
-def ledger_figure(history: pd.DataFrame, stem: Path) -> Path:
-    """Every term of the energy ledger of the block, linear and logarithmic."""
+def budget(results: Results) -> Figure:
+    """Every term of the energy budget of the block, linear and logarithmic."""
     figure, axes = panels(2, 3, width=2.7, height=2.4)
-    shown = [(f"operator {_NAMES[operator]}", block_key(operator)) for operator in OPERATORS]
-    for j, (title, key) in enumerate([*shown, ("package defaults", package_key())]):
-        run = history[history["key"] == key]
+    for j, method in enumerate((PRINTED, CONSISTENT, PACKAGE.name)):
+        run = _run(results.tables["history"], method)
         for name, label, colour, style in _TERMS:
             for i in (0, 1):
                 values = run[name] / 1e3 if i == 0 else np.maximum(np.abs(run[name]), 1e-4)
                 axes[i, j].plot(run["time"], values, style, color=colour, label=label)
-        axes[0, j].set(title=title, ylabel="energy [kJ]")
+        axes[0, j].set(title=method, ylabel="energy [kJ]")
         axes[1, j].set(yscale="log", ylabel="|energy| [J]", ylim=(1e-4, 2e5))
         for i in (0, 1):
             _shade(axes[i, j])
     outside_legend(figure, [axes[0, 0]], columns=4)
-    return save_figure(figure, stem)
+    return figure
 
 
-def sequence_figure(out: Path, stem: Path, spacing: float) -> Path:
-    """The block over time, pressure as means over cells: as printed, consistent, elements."""
-    folder = ShotFolder(out / "shots")
-    rows = [
-        (block_key(operator, spacing=spacing), f"SUPG-SPH, {_NAMES[operator]}")
-        for operator in OPERATORS
-    ]
-    rows += [(package_key(spacing), "SUPG-SPH, defaults"), (elements_key(spacing), "B-bar FEM")]
-    grid = [[_frame(folder, key, label, t) for t in SHOT_TIMES] for key, label in rows]
-    figure = panel_figure(
-        grid,
-        colours=limits(grid, field=CELL + "pressure", percentile=98.0),
-        view=angled_view(up="y", azimuth=-35.0, elevation=18.0),
-        window=Around(follow=True),
-        layout=Layout(width=7.2, height=8.5),
-    )
-    return save_figure(figure, stem)
+def cube(results: Results) -> Figure:
+    """What the energy budget leaves over against the CFL number, and energies over ten turns."""
+    figure, axes = panels(1, 2, width=3.7, height=4.4)
+    _left_over(axes[0, 0], results.tables["cube"])
+    _energies(axes[0, 1], results.tables["cube"], results.tables["cube_history"])
+    outside_legend(figure, axes.flat, columns=2)
+    return figure
 
 
-def _frame(folder: ShotFolder, key: str, label: str, time: float) -> Frame:
-    try:
-        frame = folder.load(key, time)
-    except InputError:
-        return Absent(label, time)
-    # The heading of a row names the method only: all else is in the caption.
-    return type(frame)(**(vars(frame) | {"label": label}))
-
-
-def cube_figure(cube: pd.DataFrame, history: pd.DataFrame, stem: Path) -> Path:
-    """Rest of the ledger against the CFL number, and energies over ten turns."""
-    figure, axes = panels(1, 2, width=3.7, height=3.1)
-    _rests(axes[0, 0], cube)
-    _energies(axes[0, 1], cube, history)
-    outside_legend(figure, axes.flat, columns=3)
-    return save_figure(figure, stem)
-
-
-def _rests(ax: Axes, cube: pd.DataFrame) -> None:
-    kept = cube[(cube["outcome"] == "kept") & (cube["left_over"] > 0.0)]
-    looks = (
-        ("defaults", "-", "package defaults", ORANGE, ("v", "<", ">")),
-        ("ladder", "TVD-RK2", "two stages", BLUE, ("o", "s", "^")),
-        ("methods", "SSP-RK3", "SSP-RK3", GREEN, ("*",)),
-        ("methods", "position Verlet", "position Verlet", VERMILION, ("p",)),
-        ("elements", "-", "B-bar", BLACK, ("D", "P", "X")),
-    )
-    for group, integrator, label, colour, markers in looks:
-        runs = kept[(kept["group"] == group) & kept["formulation"].isin(["{p,F}", "-"])]
-        runs = runs[(runs["integrator"] == integrator) | (integrator == "-")]
-        for spacing, marker in zip(
-            sorted(runs["spacing"].unique(), reverse=True), markers, strict=False
-        ):
-            part = runs[runs["spacing"] == spacing].sort_values("cfl")
-            ax.plot(
-                part["cfl"], part["left_over"], color=colour, marker=marker,
-                label=f"{label}, h = 1/{1.0 / spacing:.0f}",
-            )  # fmt: skip
+def _left_over(ax: Axes, table: pd.DataFrame) -> None:
+    kept = table[(table["outcome"] == "kept") & (table["left_over"] > 0.0)]
+    rows = (
+        ("package", PACKAGE.look, PACKAGE.name),
+        ("ladder", PAPER.look, "paper, {p,F}, H1, Consistent"),
+        ("methods", PAPER.look | {"linestyle": ":"}, "paper, {p,F}, H1, Consistent, SSP-RK3"),
+        ("methods", PAPER.look | {"linestyle": "--"},
+         "paper, {p,F}, H1, Consistent, position Verlet"),
+        ("elements", B_BAR.look, B_BAR.name),
+    )  # fmt: skip
+    for group, look, method in rows:
+        runs = select(kept, group=group, method=method)
+        # The coarsest filled, finer ones open, the finest small.
+        for number, spacing in enumerate(sorted(set(runs["spacing"]), reverse=True)):
+            part = select(runs, spacing=spacing).sort_values("cfl")
+            more = {"markerfacecolor": "white", "markersize": 4.8 - number} if number else {}
+            label = f"{method}, 1/{1.0 / spacing:.0f}"
+            ax.plot(part["cfl"], part["left_over"], label=label, **look | more)
     ladder = kept[kept["group"] == "ladder"]
     if len(ladder):
         at = np.array([ladder["cfl"].min(), ladder["cfl"].max()])
         low = ladder["left_over"].min() / 3.0
-        for order, style in ((2, "--"), (3, ":")):
-            ax.plot(
-                at, low * (at / at[0]) ** order, style, color="0.6", linewidth=0.8,
-                label=f"slope {order}",
-            )  # fmt: skip
+        for order in (2, 3):
+            line = low * (at / at[0]) ** order
+            ax.plot(at, line, ":", color="0.6", linewidth=0.8)
+            ax.annotate(f"slope {order}", (at[-1], line[-1]), color="0.4", size=7.5, va="top")
     ax.set(
         xscale="log", yscale="log", xlabel="CFL number [-]",
-        ylabel="|rest + projection| / initial energy [-]", title="spinning cube, energy ledger",
+        ylabel="|residual + projection| / initial energy [-]", title="spinning cube, energy budget",
     )  # fmt: skip
-    # The ladders of both methods; those of the defaults lie between.
     marks = [0.075, 0.15, 0.3, 0.6]
     ax.xaxis.set_major_locator(FixedLocator(marks))
     ax.xaxis.set_minor_locator(NullLocator())
     ax.set_xticklabels([f"{cfl:g}" for cfl in marks])
 
 
-def _energies(ax: Axes, cube: pd.DataFrame, history: pd.DataFrame) -> None:
-    ladder = cube[(cube["group"] == "ladder") & (cube["cfl"] == 0.3)]
+def _energies(ax: Axes, table: pd.DataFrame, history: pd.DataFrame) -> None:
+    ladder = select(table, group="ladder", cfl=0.3)
     spacing = 0.125 if (ladder["spacing"] == 0.125).any() else 0.25
-    methods = (
-        ("SUPG-SPH", cube_case("ladder", CUBE | {"spacing": spacing}).key, "-"),
-        ("B-bar", cube_case("elements", ELEMENTS | {"spacing": spacing}).key, "--"),
-        (
-            "SUPG-SPH, support 1.54 dx, h = 1/4",
-            cube_case("support", CUBE | {"h_over_dx": 0.77}).key,
-            ":",
-        ),
-    )
-    for label, key, style in methods:
-        run = history[history["key"] == key]
-        only_total = style == ":"
-        for name, colour in (("total", BLACK), ("kinetic", BLUE), ("strain", VERMILION)):
-            if name == "total" or not only_total:
-                ax.plot(
-                    run["turn"], run[name], style, color=PURPLE if only_total else colour,
-                    label=f"{label}, {name}",
-                )  # fmt: skip
+    usual = "paper, {p,F}, H1, Consistent"
+    shown = ((usual, spacing, 0.3, PAPER.look), (B_BAR.name, spacing, 0.6, B_BAR.look))
+    for method, h, cfl, look in shown:
+        run = select(history, method=method, spacing=h, cfl=cfl, spin=table["spin"].max())
+        for name, line in (("total", "-"), ("kinetic", "--"), ("strain", ":")):
+            look = look | {"linestyle": line, "markevery": 16}
+            ax.plot(run["turn"], run[name], label=f"{method}: {name}", **look)
+    small = f"{usual}, h_over_dx = 0.77"
+    run = select(history, method=small, cfl=0.3)
+    look = PAPER.look | {"linewidth": 0.8, "markerfacecolor": "white", "markevery": 16}
+    ax.plot(run["turn"], run["total"], label=f"{small}: total", **look)
     ax.set(
         xlabel="turns at the initial speed [-]", ylabel="energy / initial energy [-]",
         title=f"energies, h = 1/{1.0 / spacing:.0f}, CFL 0.3 (B-bar 0.6)", ylim=(0.0, 1.45),
     )  # fmt: skip
+
+
+def _plan(tables: Tables, number: int) -> Plan:
+    """Rows of methods over time, on the coarser mesh or the finer one; nothing where not run."""
+    spacings = sorted(set(tables["history"]["spacing"]), reverse=True)
+    if number >= len(spacings):
+        return [[Absent("", 0.0)]]
+    return [[Panel(method, block_key(method, spacings[number]), t) for t in SHOT_TIMES]
+            for method in LOOKS]  # fmt: skip
+
+
+#: The block over time, pressure as means over cells.
+PICTURES = tuple(
+    Picture(
+        partial(_plan, number=number), colours=Percentile(98.0), window=Around(follow=True),
+        view=angled_view(up="y", azimuth=-35.0, elevation=18.0),
+    )
+    for number in (0, 1)
+)  # fmt: skip
+FIGURES = {
+    "momenta": momenta,
+    "drift": drift,
+    "budget": budget,
+    "cube": cube,
+    "sequence_1": PICTURES[0].draw,
+    "sequence_2": PICTURES[1].draw,
+}

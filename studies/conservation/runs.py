@@ -1,253 +1,293 @@
-"""Which runs the conservation study makes: groups of cases, each with what it changes."""
+"""The runs of both scenes: momenta over their natural scales, and every term of the energy budget.
+
+A run of the L-shaped block gives a row ``table``, one of the spinning cube a row ``cube``, and each
+of their records, where they are kept, a row of a history.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import math
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from sphsolid.defaults import default_cfl, default_integrator
-from sphsolid.scenes.l_shaped_block import PUBLISHED_SPACING
-from studies.conservation.measures import DEFAULTS
-from studies.harness.cases import Case
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
 
-FORMULATIONS = ("{p,F}", "{p,F,J}", "{p,F,H,J}")
-OPERATORS = ("Literal", "Consistent")
-#: Nominal spacings [m] of the L-shaped block: 425 particles, nearest to the published 388, and
-#: 1323.
-SPACINGS = (PUBLISHED_SPACING, 0.5)
-END = 20.0
+from sphsolid.record import EnergyBudget, MomentumDrift, Snapshot
+from sphsolid.record.recorders import AXES, Recorder
+from sphsolid.scenes import Scene, l_shaped_block, spinning_cube
+from sphsolid.scenes.l_shaped_block import PUBLISHED_SPACING
+from studies.measures.indicators import pressure_noise, pressure_range
+from studies.measures.run import Ran, run
+from studies.measures.setting import setting
+from studies.methods import Method
+from studies.pictures.shots import SaveShots, ShotFolder
+
+Array = NDArray[np.float64]
+Row = dict[str, Any]
+#: Share of the energy beyond which the time integrator, not the method, decides a run.
+MADE_BY_TIME = 1.0e-2
+_UNITS = {"linear": "kg m/s", "angular": "kg m^2/s"}
+#: The tractions end here, and the run [s]; a record every so many seconds.
+LOAD_ENDS, END, EVERY = 5.0, 20.0, 0.25
+#: Particles are moved by half of this share of the spacing at most, in each direction.
+DISORDER = 0.2
 #: Instants [s] of the pictures.
 SHOT_TIMES = (2.5, 5.0, 10.0, 15.0, 20.0)
-SPIN = 105.0
-#: Slow enough for the ten turns to be a long run: ten times the steps, a hundredth of the energy.
-SLOW_SPIN = 10.5
-CFLS = (0.3, 0.15, 0.075)
-USUAL_CFL = default_cfl(default_integrator())
-#: Those of the runs that are left to the package; 0 for its own.
-PACKAGE_CFLS = (0.0, USUAL_CFL / 2.0, USUAL_CFL / 4.0)
-#: The setting of [Lee2017] Figs. 7 and 8; the support is ours.
-PAPER: dict[str, Any] = {
-    "method": "SUPG-SPH",
-    "formulation": "{p,F}",
-    "secondary": "H6",
-    "operator": "Literal",
-    "projection": "local",
-    "spacing": PUBLISHED_SPACING,
-    "h_over_dx": 0.9,
-    "cfl": 0.3,
-    "tau_F": 1.0,
-    "tau_unit": "dt",
-    "xi_F": 0.0,
-    "tau_p": 0.0,
-    "weighting": "as printed",
-    "integrator": "TVD-RK2",
-}
-ELEMENTS: dict[str, Any] = PAPER | {
-    "method": "B-bar FEM",
-    **dict.fromkeys(
-        ("formulation", "secondary", "operator", "weighting", "integrator", "tau_unit"), "-"
-    ),
-    "projection": "none",
-    "cfl": 0.6,
-    **dict.fromkeys(("h_over_dx", "tau_F", "xi_F", "tau_p"), 0.0),
-}
-#: Everything left to the package but spacing and formulation.
-PACKAGE: dict[str, Any] = ELEMENTS | {
-    "method": DEFAULTS,
-    "formulation": "{p,F}",
-    "projection": "local",
-    "cfl": 0.0,
-}
-CUBE: dict[str, Any] = PAPER | {"secondary": "H1", "operator": "Consistent", "spacing": 0.25}
-#: What is changed, one at a time, to see which choices the block survives.
-_CHANGES: tuple[dict[str, Any], ...] = (
-    {"cfl": 0.6}, {"cfl": 0.9}, {"h_over_dx": 0.77}, {"h_over_dx": 1.0}, {"h_over_dx": 1.2},
-    {"xi_F": 0.1}, {"tau_F": 0.1}, {"integrator": "SSP-RK3"}, {"integrator": "position Verlet"},
-    {"weighting": "self-adjoint"}, {"secondary": "-", "tau_F": 0.0},
-    {"formulation": "{p,F,J}", "tau_p": 0.1},
-)  # fmt: skip
-#: The same for the spinning cube.
-_METHODS: tuple[dict[str, Any], ...] = (
-    {"formulation": "{p,F,J}"}, {"formulation": "{p,F,H,J}"}, {"secondary": "H6"},
-    {"operator": "Literal"}, {"weighting": "self-adjoint"}, {"integrator": "SSP-RK3"},
-    {"integrator": "position Verlet"},
-)  # fmt: skip
-_SLOW_METHODS: tuple[dict[str, Any], ...] = (
-    {"operator": "Literal"}, {"h_over_dx": 1.0}, {"integrator": "SSP-RK3"},
-    {"integrator": "position Verlet"},
-)  # fmt: skip
-_WORDS = ("method", "formulation", "secondary", "operator", "weighting", "integrator")
-#: The paper's choices, which the key of a run does not name.
-_UNSAID = ("-", "TVD-RK2", "as printed")
-#: Evaluations of the right-hand side a step, over those of the paper's integrator.
-_EVALUATIONS = {"TVD-RK2": 1.0, "SSP-RK3": 1.5, "position Verlet": 0.5, "-": 0.5}
+#: Records a turn, and turns.
+RECORDS_A_TURN, TURNS = 16, 10.0
+#: [rad/s]; ten times slower, ten turns take ten times the steps and have a hundredth of the energy.
+SPIN, SLOW_SPIN = 105.0, 10.5
 
 
-def _key(scene: str, group: str, options: dict[str, Any], extra: dict[str, Any]) -> str:
-    words = [str(options[name]) for name in _WORDS if options[name] not in _UNSAID]
-    words += ["no projection"] if group == "no projection" else []
-    numbers = {"spacing": options["spacing"]} | extra
-    if options["cfl"] > 0.0:
-        numbers["cfl"] = options["cfl"]
-    for name in ("h_over_dx", "tau_F", "xi_F", "tau_p"):
-        if options["method"] == "SUPG-SPH" and options[name] != PAPER[name]:
-            numbers[name] = options[name]
-    return f"{scene} {' '.join(words)} " + " ".join(f"{a} {b:g}" for a, b in numbers.items())
+def vectors(history: pd.DataFrame, kind: str, what: str) -> Array:
+    """Columns ``<kind>_<what>_x .. z`` of :class:`MomentumDrift`, ``(n, 3)``."""
+    return np.asarray(history[[f"{kind}_{what}_{axis} [{_UNITS[kind]}]" for axis in AXES]], float)
 
 
-def block_case(
-    out: Path,
-    group: str,
-    options: dict[str, Any],
-    *,
-    jitter: float = 0.2,
-    load: float = 1.0,
-    until: float = END,
-    picture: bool = False,
-) -> Case:
-    """A run of the L-shaped block."""
-    extra = {"jitter": jitter} if jitter != 0.2 else {}
-    extra |= {"load": load} if load != 1.0 else {}
-    extra |= {"until": until} if until != END else {}
-    key = _key("block", group, options, extra)
-    cells = 126.0 / options["spacing"] ** 3
-    steps = until / options["spacing"] / (options["cfl"] or USUAL_CFL)
-    weight = {"H1": 1.0, "H6": 2.3, "-": 0.6}[options["secondary"]]
-    weight *= _EVALUATIONS[options["integrator"]]
-    return Case(
-        key,
-        "studies.conservation.cases:block",
-        {
-            "key": key,
-            "shots": str(out / "shots"),
-            "shot_times": [t for t in SHOT_TIMES if t <= until] if picture else [],
-            "group": group,
-            "jitter": jitter,
-            "load": load,
-            "until": until,
-            "keep_history": picture or group in ("no projection", "long"),
-            **options,
-        },
-        cost=2e-5 * cells * steps * weight,
-    )
+def column(history: pd.DataFrame, kind: str, what: str) -> Array:
+    """Column ``<kind>_<what>`` of :class:`MomentumDrift`, ``(n,)``."""
+    return np.asarray(history[f"{kind}_{what} [{_UNITS[kind]}]"], float)
 
 
-def cube_case(
-    group: str, options: dict[str, Any], *, spin: float = SPIN, turns: float = 10.0
-) -> Case:
-    """A run of the spinning cube."""
-    extra = {"spin": spin} if spin != SPIN else {}
-    key = _key("cube", group, options, extra)
-    weight = {"H1": 1.0, "H6": 1.6, "-": 0.6}[options["secondary"]]
-    size = 1.0 / options["spacing"]
-    steps = turns / (spin * options["spacing"] * (options["cfl"] or USUAL_CFL))
-    weight *= _EVALUATIONS[options["integrator"]]
-    return Case(
-        key,
-        "studies.conservation.cube_cases:cube",
-        {
-            "key": key,
-            "group": group,
-            "spin": spin,
-            "turns": turns,
-            "keep_history": group in ("ladder", "elements", "support", "slow"),
-            **options,
-        },
-        cost=0.05 * (size + 1.0) ** 3 * steps * weight / 50.0,
-    )
+def shares(history: pd.DataFrame, kind: str, values: Array) -> Array:
+    """Values over the natural scale at the same record; zero while nothing moves."""
+    scale = column(history, kind, "scale")
+    return np.divide(values, scale, out=np.zeros_like(scale), where=scale > 0.0)
 
 
-def block_cases(out: Path) -> Iterator[Case]:
-    """Every run of the L-shaped block."""
-    for spacing in SPACINGS:
-        for operator in OPERATORS:
-            for formulation in FORMULATIONS:
-                for secondary in ("H1", "H6"):
-                    options = PAPER | {
-                        "spacing": spacing, "operator": operator, "formulation": formulation,
-                        "secondary": secondary,
-                    }  # fmt: skip
-                    picture = formulation == "{p,F}" and secondary == "H6"
-                    yield block_case(out, "all", options, picture=picture)
-                    if spacing == PUBLISHED_SPACING:
-                        bare = options | {"projection": "none"}
-                        yield block_case(out, "no projection", bare)
-        yield block_case(out, "elements", ELEMENTS | {"spacing": spacing}, picture=True)
-        for formulation in FORMULATIONS:
-            options = PACKAGE | {"spacing": spacing, "formulation": formulation}
-            yield block_case(out, "defaults", options, picture=formulation == "{p,F}")
-    for operator in OPERATORS:
-        options = PAPER | {"operator": operator}
-        yield block_case(out, "small load", options, load=1e-3, until=5.0)
-        yield block_case(out, "long", options, until=60.0)
-        for jitter in (0.0, 0.4):
-            yield block_case(out, "disorder", options, jitter=jitter)
-        for changed in _CHANGES:
-            yield block_case(out, "changed", options | changed)
-    yield block_case(out, "long", ELEMENTS, until=60.0)
-    yield block_case(out, "long", PACKAGE, until=60.0)
-    for jitter in (0.0, 0.4):
-        yield block_case(out, "disorder", ELEMENTS, jitter=jitter)
+def drifts(history: pd.DataFrame, kind: str) -> Array:
+    """Momentum that no load gave, over its natural scale, at every record."""
+    return shares(history, kind, column(history, kind, "drift"))
 
 
-def cube_cases() -> Iterator[Case]:
-    """Every run of the spinning cube."""
-    for cfl in CFLS:
-        for spacing in (0.25, 0.125):
-            yield cube_case("ladder", CUBE | {"spacing": spacing, "cfl": cfl})
-            yield cube_case("elements", ELEMENTS | {"spacing": spacing, "cfl": 2.0 * cfl})
-        for changed in _METHODS:
-            yield cube_case("methods", CUBE | {"cfl": cfl} | changed)
-    yield cube_case("ladder", CUBE | {"spacing": 0.0625})
-    for formulation in FORMULATIONS:
-        options = PACKAGE | {"spacing": 0.25, "formulation": formulation}
-        for cfl in PACKAGE_CFLS:
-            yield cube_case("defaults", options | {"cfl": cfl})
-    yield cube_case("defaults", PACKAGE | {"spacing": 0.125})
-    for operator in OPERATORS:
-        yield cube_case("no projection", CUBE | {"operator": operator, "projection": "none"})
-    for h in (0.77, 0.85, 1.0, 1.2):
-        yield cube_case("support", CUBE | {"h_over_dx": h})
-    yield cube_case("support", CUBE | {"h_over_dx": 0.77, "cfl": 0.15})
-    for integrator in ("SSP-RK3", "position Verlet"):
-        yield cube_case("support", CUBE | {"h_over_dx": 0.77, "integrator": integrator})
-    for formulation in FORMULATIONS[:2]:
-        options = PACKAGE | {"spacing": 0.25, "formulation": formulation}
-        yield cube_case("slow", options, spin=SLOW_SPIN)
-    for cfl in CFLS[:2]:
-        yield cube_case("slow", CUBE | {"cfl": cfl}, spin=SLOW_SPIN)
-    for changed in _SLOW_METHODS:
-        yield cube_case("slow", CUBE | changed, spin=SLOW_SPIN)
+def dissipated(history: pd.DataFrame) -> Array:
+    """Work of ``D(p)`` and ``D(J)`` [J], negative where they take energy."""
+    return np.asarray(history["dissipation_p [J]"] + history["dissipation_J [J]"], float)
 
 
-def short_form(out: Path) -> Iterator[Case]:
-    """A cross of the whole study, about half a minute."""
-    for operator in OPERATORS:
-        options = PAPER | {"operator": operator}
-        yield block_case(out, "all", options, picture=True)
-        yield block_case(out, "no projection", options | {"projection": "none"})
-        yield block_case(out, "small load", options, load=1e-3, until=5.0)
-    yield block_case(out, "all", PAPER | {"formulation": "{p,F,H,J}", "secondary": "H1"})
-    yield block_case(out, "elements", ELEMENTS, picture=True)
-    yield block_case(out, "defaults", PACKAGE, picture=True)
-    for cfl in PACKAGE_CFLS[:2]:
-        yield cube_case("defaults", PACKAGE | {"spacing": 0.25, "cfl": cfl})
-    for cfl in CFLS[:2]:
-        yield cube_case("ladder", CUBE | {"cfl": cfl})
-        yield cube_case("elements", ELEMENTS | {"spacing": 0.25, "cfl": 2.0 * cfl})
-    yield cube_case("support", CUBE | {"h_over_dx": 0.77})
+def left_over(history: pd.DataFrame) -> Array:
+    """Residual of the energy budget and work of the projection together [J], at every record.
+
+    Stages project with positions that differ from what ``F`` has come to by ``dt^2``: the work
+    that this costs is no physical one, and the integrator gives it back.  Apart, the two columns
+    are artefacts of equal size; their sum is what the energy really missed.
+    """
+    return np.asarray(history["energy_rest [J]"] + history["work_projection [J]"], float)
 
 
-def tiny(out: Path) -> Iterator[Case]:
-    """Runs of a second or two that compile every kernel of the study."""
-    coarse = PAPER | {"operator": "Consistent", "spacing": 1.5}
-    full = coarse | {"formulation": "{p,F,H,J}", "tau_p": 0.1}
-    yield block_case(out, "all", coarse, until=6.0)
-    yield block_case(out, "all", full, until=0.5)
-    yield block_case(out, "elements", ELEMENTS | {"spacing": 1.5}, until=6.0)
-    yield cube_case("ladder", CUBE | {"spacing": 0.5}, turns=0.25)
-    yield cube_case("ladder", CUBE | {"spacing": 0.5, "integrator": "SSP-RK3"}, turns=0.25)
-    yield cube_case("elements", ELEMENTS | {"spacing": 0.5}, turns=0.25)
-    yield block_case(out, "defaults", PACKAGE | {"spacing": 1.5}, until=6.0)
-    yield cube_case("defaults", PACKAGE | {"spacing": 0.5}, turns=0.25)
+def ended(ran: Ran, missed: float) -> dict[str, Any]:
+    """The columns of a run and its ``outcome``, first of these that holds.
+
+    ``diverged``; ``folded``, the positions, at any time; by ``missed``, the share of the energy
+    that is left over at the end, beyond :data:`MADE_BY_TIME`: ``energy made``, or ``energy
+    missing``; else ``kept``.
+    """
+    outcome = "kept"
+    if abs(missed) > MADE_BY_TIME:
+        outcome = "energy made" if missed > 0.0 else "energy missing"
+    if ran.folded:
+        outcome = "folded"
+    if not ran.survived:
+        outcome = "diverged"
+    return {"outcome": outcome} | ran.columns()
+
+
+def block_key(method: str, spacing: float) -> str:
+    """Under which the run of a method is known that has nothing else of its own."""
+    return f"block: {method}, spacing {spacing:g}"
+
+
+@dataclass(frozen=True)
+class Block:
+    """A run: ``load`` is a factor of the published tractions; ``pictured`` keeps frames."""
+
+    group: str
+    method: Method
+    spacing: float = PUBLISHED_SPACING
+    jitter: float = DISORDER
+    load: float = 1.0
+    until: float = END
+    pictured: bool = False
+
+    @property
+    def key(self) -> str:
+        """What tells it from the others."""
+        usual = {"jitter": DISORDER, "load": 1.0, "until": END}
+        words = [f"{name} {getattr(self, name):g}" for name in usual
+                 if getattr(self, name) != usual[name]]  # fmt: skip
+        return ", ".join([block_key(self.method.name, self.spacing), *words])
+
+    @property
+    def columns(self) -> Row:
+        """What was asked of the run."""
+        return {
+            "group": self.group, "method": self.method.name, "spacing": self.spacing,
+            "jitter": self.jitter, "load": self.load, "until": self.until,
+        }  # fmt: skip
+
+
+class PressureState:
+    """Noise, 1 % and 99 % pressure [Pa] and range of ``J``."""
+
+    def record(self, snapshot: Snapshot, scene: Scene) -> dict[str, float]:
+        """Five columns."""
+        low, high = pressure_range(snapshot)
+        return {
+            "pressure_noise": pressure_noise(snapshot),
+            "pressure_1 [Pa]": low,
+            "pressure_99 [Pa]": high,
+            "J_min": float(np.min(snapshot.J)),
+            "J_max": float(np.max(snapshot.J)),
+        }
+
+
+def run_block(*, block: Block, shots: str) -> list[Row]:
+    """A row ``table`` and rows ``history``; frames go to the folder ``shots``."""
+    scene = l_shaped_block(load_factor=block.load, jitter=block.jitter)
+    sim = block.method.simulation(scene, spacing=block.spacing)
+    record: list[Recorder] = [EnergyBudget(), MomentumDrift(), PressureState()]
+    folder = ShotFolder(Path(shots))
+    if block.pictured:
+        folder.clear(block.key)
+        times = tuple(t for t in SHOT_TIMES if t <= block.until)
+        record.append(SaveShots(folder, block.key, block.method.label, times=times))
+    made = setting(sim)
+    ran = run(sim, until=block.until, every=EVERY, record=record)
+    if block.pictured and ran.diverged is not None:
+        folder.save_diverged(block.key, block.method.label, ran.diverged)
+    measured = _measures(ran.history)
+    named: Row = {"of": "table"} | block.columns
+    rows = [named | made | ended(ran, measured["left_over"]) | measured]
+    if block.pictured or block.group in ("no projection", "long"):
+        named = {"of": "history", "method": block.method.name, "spacing": block.spacing}
+        named |= {"until": block.until}
+        rows += [named | row for row in _history(ran.history)]
+    return rows
+
+
+def _measures(history: pd.DataFrame) -> Row:
+    """Numbers that judge a run; those after the loads are missing where it did not get there."""
+    when = history["time [s]"].to_numpy()
+    L = vectors(history, "angular", "momentum")
+    linear = np.linalg.norm(vectors(history, "linear", "momentum"), axis=1)
+    end, arm = history.iloc[-1], history["angular_scale [kg m^2/s]"].to_numpy()
+    work = end["work_traction [J]"]
+    row: Row = {
+        "linear": shares(history, "linear", linear).max(),
+        "linear_step": end["linear_drift_step [kg m/s]"] / end["linear_scale [kg m/s]"],
+        "angular_step": end["angular_drift_step [kg m^2/s]"] / arm[-1],
+        "angular_total": drifts(history, "angular")[when > 0.0].max(initial=0.0),
+        "work": work,
+        "dissipated": 0.0 - dissipated(history)[-1] / work,
+        "residual": end["energy_rest [J]"] / work,
+        "left_over": left_over(history)[-1] / work,
+        "J_min": history["J_min"].min(),
+        "J_max": history["J_max"].max(),
+    }
+    free = when >= LOAD_ENDS * (1.0 - 1e-9)
+    late = ["angular_free", "impulse_gap", *(f"L_{axis}" for axis in AXES), "energy_5",
+            "energy_kept", "noise", "pressure_1", "pressure_99"]  # fmt: skip
+    if not free.any():
+        return row | dict.fromkeys(late, math.nan)
+    k = int(np.flatnonzero(free)[0])
+    energy = history["total_energy [J]"].to_numpy()
+    drift = np.linalg.norm(L[free] - L[k], axis=1)
+    impulse = vectors(history, "angular", "traction_impulse")[k]
+    return row | {
+        "angular_free": shares(history[free], "angular", drift).max(),
+        "impulse_gap": float(np.linalg.norm(L[k] - impulse)) / arm[k],
+        **{f"L_{axis}": L[k, i] for i, axis in enumerate(AXES)},
+        "energy_5": energy[k],
+        "energy_kept": energy[-1] / energy[k],
+        "noise": history["pressure_noise"].to_numpy()[free].mean(),
+        "pressure_1": history["pressure_1 [Pa]"].to_numpy()[free].min(),
+        "pressure_99": history["pressure_99 [Pa]"].to_numpy()[free].max(),
+    }
+
+
+def _history(history: pd.DataFrame) -> list[Row]:
+    L, p = vectors(history, "angular", "momentum"), vectors(history, "linear", "momentum")
+    named = {
+        "time": history["time [s]"],
+        **{f"L_{axis}": L[:, i] for i, axis in enumerate(AXES)},
+        **{f"p_{axis}": p[:, i] for i, axis in enumerate(AXES)},
+        "linear": shares(history, "linear", np.linalg.norm(p, axis=1)),
+        "angular": drifts(history, "angular"),
+        "kinetic": history["kinetic_energy [J]"],
+        "deviatoric": history["deviatoric_energy [J]"],
+        "volumetric": history["volumetric_energy [J]"],
+        "work": history["work_traction [J]"],
+        "projection": history["work_projection [J]"],
+        "dissipation": dissipated(history),
+        "residual": history["energy_rest [J]"],
+        "noise": history["pressure_noise"],
+    }
+    return pd.DataFrame(named).to_dict("records")
+
+
+@dataclass(frozen=True)
+class Cube:
+    """A run; the name of a method does not say its CFL number, which is varied."""
+
+    group: str
+    method: Method
+    spacing: float = 0.25
+    cfl: float = 0.3
+    spin: float = SPIN
+    turns: float = TURNS
+
+    @property
+    def key(self) -> str:
+        """What tells it from the others."""
+        spin = "" if self.spin == SPIN else f", spin {self.spin:g}"
+        return f"cube: {self.method.name}, spacing {self.spacing:g}, CFL {self.cfl:g}{spin}"
+
+
+def run_cube(*, cube: Cube, keep_history: bool) -> list[Row]:
+    """A row ``cube`` and, if asked, rows ``cube_history``."""
+    scene = spinning_cube(angular_velocity=cube.spin, turns=cube.turns)
+    sim = cube.method.but(cfl=cube.cfl).simulation(scene, spacing=cube.spacing)
+    made = setting(sim)
+    every = scene.end_time / max(1, round(cube.turns * RECORDS_A_TURN))
+    ran = run(sim, until=scene.end_time, every=every, record=[EnergyBudget(), MomentumDrift()])
+    history = ran.history
+    energy = history["total_energy [J]"].to_numpy()
+    residual = history["energy_rest [J]"].to_numpy() / energy[0]
+    missed, gone = left_over(history) / energy[0], dissipated(history) / energy[0]
+    end, angular = history.iloc[-1], drifts(history, "angular")
+    named = {"method": cube.method.name, "spacing": cube.spacing, "spin": cube.spin}
+    row = {
+        "L_z": vectors(history, "angular", "momentum")[0, 2],
+        "energy_0": energy[0],
+        "angular_total": angular.max(),
+        "angular_step": end["angular_drift_step [kg m^2/s]"] / end["angular_scale [kg m^2/s]"],
+        "linear_total": drifts(history, "linear").max(),
+        "linear_step": end["linear_drift_step [kg m/s]"] / end["linear_scale [kg m/s]"],
+        "residual": np.abs(residual).max(),
+        "residual_end": residual[-1],
+        "left_over": np.abs(missed).max(),
+        "energy_kept": energy[-1] / energy[0],
+        "dissipated": 0.0 - gone[-1],
+        "projection_work": end["work_projection [J]"] / energy[0],
+    }
+    how = ended(ran, missed[-1])
+    rows = [{"of": "cube", "group": cube.group, "turns": cube.turns} | named | made | how | row]
+    if keep_history:
+        strain = history["deviatoric_energy [J]"] + history["volumetric_energy [J]"]
+        frame = pd.DataFrame(
+            {
+                "turn": history["time [s]"] * abs(cube.spin) / (2.0 * math.pi),
+                "kinetic": history["kinetic_energy [J]"] / energy[0],
+                "strain": strain / energy[0],
+                "total": energy / energy[0],
+                "dissipation": gone,
+                "residual": residual,
+                "angular": angular,
+            }
+        )
+        named |= {"of": "cube_history", "cfl": made["cfl"]}
+        rows += [named | record for record in frame.to_dict("records")]
+    return rows

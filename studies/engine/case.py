@@ -23,7 +23,7 @@ from typing import Any
 from sphsolid.compiled import source_hash
 from sphsolid.errors import Diverged, InputError, require
 from sphsolid.record.plain import plain
-from studies.engine.sources import ROOT, hash_of_sources
+from studies.engine.sources import ROOT, hash_of_sources, real_name
 
 Row = dict[str, Any]
 
@@ -87,7 +87,7 @@ def case_hash(case: Case) -> str:
             f"case {case.key!r}: argument {name} = {text} has no value that can be compared with "
             "that of a stored result; use numbers, texts, option objects and lists of those",
         )
-    name = f"{case.run.__module__}:{case.run.__qualname__}"
+    name = f"{real_name(case.run.__module__)}:{case.run.__qualname__}"
     digest = hashlib.sha256()
     for part in (name, repr(words), source_hash(), hash_of_sources(case.run.__module__)):
         digest.update(hashlib.sha256(part.encode()).digest())
@@ -100,12 +100,12 @@ def partial_path(folder: Path, case: Case) -> Path:
     return folder / f"{readable}-{case_hash(case)}.json"
 
 
-def write_atomically(path: Path, text: str) -> None:
+def write_atomically(path: Path, content: str | bytes) -> None:
     """Write so that a reader finds the old file or the whole new one, never a part."""
     path.parent.mkdir(parents=True, exist_ok=True)
     temporary = path.with_name(f".{path.name}.{os.getpid()}.part")
     try:
-        temporary.write_text(text, encoding="utf-8")
+        temporary.write_bytes(content.encode() if isinstance(content, str) else content)
         os.replace(temporary, path)
     finally:
         temporary.unlink(missing_ok=True)
@@ -129,6 +129,11 @@ def execute(case: Case) -> Outcome:
     start = time.perf_counter()
     try:
         rows = case.run(**case.arguments)
+        require(
+            isinstance(rows, list) and all(isinstance(row, dict) for row in rows),
+            f"{case.run.__name__} must return a list of rows (dictionaries), got "
+            f"{type(rows).__name__}",
+        )
         outcome = Outcome(case.key, time.perf_counter() - start, rows)
         # Through text and back, so that fresh and resumed rows are the same objects.
         return Outcome(**json.loads(json.dumps(dataclasses.asdict(outcome), default=_as_json)))

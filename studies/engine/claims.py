@@ -62,11 +62,35 @@ class Claim:
     format: str = ".3g"
     unit: str = ""
 
+    def __post_init__(self) -> None:
+        """Raise ``InputError`` where nothing could be compared."""
+        names, asked = set(self._parts()), self.asked
+        require(
+            isinstance(asked, tuple) == (self.comparison == "within"),
+            f"claim {self.what!r}: a pair of asked numbers goes with 'within' and with nothing "
+            f"else, got {asked} with {self.comparison!r}",
+        )
+        for what, given in (("asked", asked), ("sound", self.sound)):
+            require(
+                not isinstance(given, Mapping) or set(given) == names,
+                f"claim {self.what!r}: {what} must name what is measured ({', '.join(names)})",
+            )
+        require(
+            self.comparison == "reported" or isinstance(asked, tuple | Mapping) or asked == asked,
+            f"claim {self.what!r}: {self.comparison!r} needs the number that is asked for",
+        )
+
     @classmethod
     def counted(cls, what: str, hold: int, of: int, **more: object) -> Claim:
         """``hold`` of ``of`` runs do: all, some or none; nothing was examined where ``of`` is 0."""
         names = {str(number): float(number < hold) for number in range(of)}
         return cls(what, names, ">=", 1.0, **({"said": f"{hold} of {of}"} | more))  # type: ignore[arg-type]
+
+    @classmethod
+    def graded(cls, what: str, *, whole: bool, part: bool, **more: object) -> Claim:
+        """All of it or a ``part``, by a rule of several numbers, which ``said`` gives."""
+        grade = 2.0 if whole else float(part)
+        return cls(what, grade, ">=", 2.0, in_part=1.0, **more)  # type: ignore[arg-type]
 
     def holds(self) -> dict[str, bool]:
         """Which parts of the claim hold, by name."""

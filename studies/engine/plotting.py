@@ -1,4 +1,4 @@
-"""One look for all figures: style, colours of methods, convergence panels, files.
+"""One look for all figures: style, palette, convergence panels, files.
 
 Figures are made without pyplot, so nothing needs a display and nothing is shared between them.
 The palette is that of Okabe and Ito, which colour-blind readers can tell apart; markers and line
@@ -7,8 +7,6 @@ styles say the same again.
 
 from __future__ import annotations
 
-import re
-import zlib
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
@@ -27,18 +25,6 @@ BLACK, ORANGE, SKY, GREEN, YELLOW, BLUE, VERMILION, PURPLE = PALETTE = (
     "#000000", "#E69F00", "#56B4E9", "#009E73", "#F0E442", "#0072B2", "#D55E00", "#CC79A7",
 )  # fmt: skip
 
-#: Colour and marker of every method, the same in all reports.
-_METHODS: dict[str, tuple[str, str]] = {
-    "pf": (BLUE, "o"),
-    "pfj": (VERMILION, "^"),
-    "pfhj": (GREEN, "s"),
-    "pj": (PURPLE, "v"),
-    "displacement": (ORANGE, "X"),
-    "bbar": (BLACK, "D"),
-    "taylorhood": (SKY, "P"),
-    "jst": (PURPLE, "<"),
-    "pgfem": (SKY, ">"),
-}
 # Any: which names matplotlib's types allow differs between its versions.
 _STYLE: dict[Any, Any] = {
     "font.size": 9.0,
@@ -68,28 +54,6 @@ def style() -> Iterator[None]:
     """The shared style; the front makes every report inside it."""
     with mpl.rc_context(_STYLE):
         yield
-
-
-def method_look(formulation: str, *, secondary: str = "", operator: str = "") -> dict[str, Any]:
-    """Line keywords of a method: colour and marker by formulation, dashes by secondary points
-    (``H6`` dashed), open markers and thin lines for the ``Literal`` operator.
-    """
-    braces = re.search(r"\{(.*?)\}", formulation)
-    name = re.sub(r"[^a-z]", "", (braces.group(1) if braces else formulation).lower())
-    known = [key for key in _METHODS if key == name or (len(key) > 2 and key in name)]
-    if known:
-        colour, marker = _METHODS[max(known, key=len)]
-    else:
-        number = zlib.crc32(name.encode())
-        colour, marker = PALETTE[1 + number % 7], "o^svDP"[number % 6]
-    literal = operator.lower().startswith("literal")
-    return {
-        "color": colour,
-        "marker": marker,
-        "linestyle": "--" if secondary.upper() == "H6" else "-",
-        "markerfacecolor": "white" if literal else colour,
-        "linewidth": 0.9 if literal else 1.4,
-    }
 
 
 def panels(

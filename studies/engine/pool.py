@@ -14,7 +14,14 @@ import threading
 import time
 from collections import deque
 from collections.abc import Callable, Generator, Iterator, Sequence
-from concurrent.futures import FIRST_COMPLETED, Executor, Future, ProcessPoolExecutor, wait
+from concurrent.futures import (
+    FIRST_COMPLETED,
+    BrokenExecutor,
+    Executor,
+    Future,
+    ProcessPoolExecutor,
+    wait,
+)
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -28,7 +35,12 @@ Finished = Generator[tuple[Case, Outcome], None, None]
 
 
 class Workers(Protocol):
-    """Something that runs cases."""
+    """Something that runs cases, so many ``at_once``."""
+
+    @property
+    def at_once(self) -> int:
+        """How many."""
+        ...
 
     def run(
         self,
@@ -50,12 +62,14 @@ def longest_first(cases: Sequence[Case]) -> list[Case]:
 class OnExecutor:
     """Any ``concurrent.futures`` executor; ``at_once`` cases are handed to it at a time.
 
-    What an executor raises in the place of a result (a worker was killed) is the failure of that
-    case alone, unless the executor itself is broken: then all that is left fails the same way.
+    What an executor raises in the place of a result is the failure of that case alone; ``death`` is
+    what it raises where a worker was killed.  ``task(case)`` is what a worker does.
     """
 
     executor: Executor
     at_once: int
+    death: type[Exception] = BrokenExecutor
+    task: Callable[[Case], Outcome] = execute
 
     def run(
         self,
@@ -72,15 +86,17 @@ class OnExecutor:
                 while waiting and len(running) < self.at_once:
                     case = waiting.popleft()
                     started(case)
-                    running[self.executor.submit(execute, case)] = case
+                    running[self.executor.submit(self.task, case)] = case
                 done, _ = wait(running, timeout=TICK, return_when=FIRST_COMPLETED)
                 tick()
                 for future in done:
                     case = running.pop(future)
                     try:
                         outcome = future.result()
+                    except self.death as error:
+                        outcome = died(case, str(error))
                     except Exception as error:
-                        outcome = died(case, f"{type(error).__name__}: {error}")
+                        outcome = unable(case, error)
                     yield case, outcome
         finally:
             for future in running:
@@ -89,13 +105,13 @@ class OnExecutor:
 
 @dataclass(frozen=True)
 class Processes:
-    """``jobs`` processes of this machine with ``threads`` kernel threads each.
+    """``at_once`` processes of this machine with ``threads`` kernel threads each.
 
     A worker that dies (most often: killed for want of memory) fails its own case only.  The cases
     that ran beside it are tried again, one at a time, to find out which it was.
     """
 
-    jobs: int
+    at_once: int
     threads: int = 1
 
     def run(
@@ -105,17 +121,17 @@ class Processes:
         started: Callable[[Case], None] = lambda case: None,
         tick: Callable[[], None] = lambda: None,
     ) -> Finished:
-        """Yield cases with their outcome as they finish, at most ``jobs`` at once."""
+        """Yield cases with their outcome as they finish."""
         waiting = deque(cases)
         suspects: deque[Case] = deque()
         while waiting or suspects:
             alone = bool(suspects)
             queue = suspects if alone else waiting
             broken: list[Case] = []
-            with _pool(1 if alone else self.jobs, self.threads) as pool:
+            with _pool(1 if alone else self.at_once, self.threads) as pool:
                 running: dict[Future[Outcome], Case] = {}
                 while (queue or running) and not broken:
-                    while queue and len(running) < (1 if alone else self.jobs):
+                    while queue and len(running) < (1 if alone else self.at_once):
                         case = queue.popleft()
                         started(case)
                         try:
@@ -128,9 +144,13 @@ class Processes:
                     for future in done:
                         case = running.pop(future)
                         try:
-                            yield case, future.result()
+                            outcome = future.result()
                         except BrokenProcessPool:
                             broken.append(case)
+                            continue
+                        except Exception as error:
+                            outcome = unable(case, error)
+                        yield case, outcome
                 broken += running.values()
             if broken and alone:
                 yield broken[0], died(broken[0], "the process was killed")
@@ -145,6 +165,13 @@ def died(case: Case, why: str) -> Outcome:
         float("nan"),
         failure="WorkerDied",
         message=f"{why}, most likely for want of memory; run it with fewer --jobs or coarser",
+    )
+
+
+def unable(case: Case, error: Exception) -> Outcome:
+    """The outcome of a case that could not be sent to a worker, or whose outcome not back."""
+    return Outcome(
+        case.key, float("nan"), failure=type(error).__name__, message=f"no worker ran it: {error}"
     )
 
 

@@ -1,41 +1,14 @@
-"""Shows how far a study is: a bar on a terminal, one line per finished case elsewhere."""
+"""How far a study is, and when it will be done; :class:`Display` shows it."""
 
 from __future__ import annotations
 
+import sys
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Protocol
 
-from rich.console import Console
-from rich.markup import escape
-from rich.progress import BarColumn, Progress, TaskID, TextColumn
-
+from sphsolid.record.display import Display, duration
 from studies.engine.case import Case, Outcome
-
-
-class Reporter(Protocol):
-    """What the front tells as a study goes on."""
-
-    def say(self, text: str) -> None:
-        """One line of news."""
-        ...
-
-    def started(self, case: Case) -> None:
-        """A worker took the case."""
-        ...
-
-    def finished(self, case: Case, outcome: Outcome) -> None:
-        """The case is done, one way or the other."""
-        ...
-
-    def tick(self) -> None:
-        """Time passed."""
-        ...
-
-    def close(self) -> None:
-        """Nothing more will come."""
-        ...
 
 
 @dataclass
@@ -118,109 +91,55 @@ class Estimate:
         return time.monotonic() - self._running[key] if key in self._running else 0.0
 
 
-def duration(seconds: float | None) -> str:
-    """``4.1 s``, ``2 min 05 s``, ``1 h 10 min``, or ``?``."""
-    if seconds is None or seconds != seconds:
-        return "?"
-    if seconds < 60:
-        return f"{seconds:.1f} s" if seconds < 10 else f"{seconds:.0f} s"
-    minutes, rest = divmod(round(seconds), 60)
-    if minutes < 60:
-        return f"{minutes} min {rest:02d} s"
-    return f"{minutes // 60} h {minutes % 60:02d} min"
-
-
 def _result(outcome: Outcome) -> str:
     if outcome.failed:
         return f"FAILED after {duration(outcome.wall_s)}: {outcome.failure}: {outcome.message}"
     return duration(outcome.wall_s)
 
 
-class PlainReporter:
-    """One line per case, for logs and pipes."""
+class Reporter:
+    """Tells a display what becomes of the cases."""
 
-    def __init__(self, cases: Sequence[Case], jobs: int) -> None:
+    def __init__(self, cases: Sequence[Case], jobs: int, display: Display) -> None:
         self._estimate = Estimate(cases, jobs)
-
-    def say(self, text: str) -> None:
-        """Print a line at once, so that a log shows it while the study runs."""
-        print(text, flush=True)
-
-    def started(self, case: Case) -> None:
-        """Only the estimate needs to know."""
-        self._estimate.started(case)
-
-    def finished(self, case: Case, outcome: Outcome) -> None:
-        """``[ 3/40]  12 %  key  4.1 s  (2 min 05 s left)``."""
-        e = self._estimate
-        e.finished(case, outcome)
-        width = len(str(e.count))
-        where = f"[{e.done:{width}d}/{e.count}] {e.percent:3.0f} %"
-        self.say(f"{where}  {case.key}  {_result(outcome)}  ({e.text()})")
-
-    def tick(self) -> None:
-        """A log needs no clock."""
-
-    def close(self) -> None:
-        """Nothing is open."""
-
-
-class BarReporter:
-    """A bar with percent and time left; failures stay above it."""
-
-    def __init__(self, cases: Sequence[Case], jobs: int, console: Console) -> None:
-        self._estimate = Estimate(cases, jobs)
-        self._console = console
+        self._display = display
         self._running: list[str] = []
-        self._bar = Progress(
-            TextColumn("{task.fields[count]}"),
-            BarColumn(),
-            TextColumn("{task.percentage:3.0f} %  {task.fields[left]}  [dim]{task.fields[now]}"),
-            console=console,
-        )
-        self._task: TaskID = self._bar.add_task("", total=100.0, count="", left="", now="")
-        self._bar.start()
-        self.tick()
 
     def say(self, text: str) -> None:
-        """A line above the bar."""
-        self._console.print(escape(text), highlight=False)
+        """One line of news."""
+        self._display.say(text)
 
     def started(self, case: Case) -> None:
-        """Show what is being worked on."""
+        """A worker took the case."""
         self._estimate.started(case)
         if case.key not in self._running:
             self._running.append(case.key)
         self.tick()
 
     def finished(self, case: Case, outcome: Outcome) -> None:
-        """Move the bar; keep a line of what failed."""
-        self._estimate.finished(case, outcome)
+        """``[ 3/40]  12 %  key  4.1 s  (2 min 05 s left)``; a terminal keeps what failed alone."""
+        e = self._estimate
+        e.finished(case, outcome)
         if case.key in self._running:
             self._running.remove(case.key)
-        if outcome.failed:
-            self._console.print(f"[red]{escape(case.key)}[/red]  {escape(_result(outcome))}")
+        if outcome.failed or not self._display.is_terminal:
+            width = len(str(e.count))
+            where = f"[{e.done:{width}d}/{e.count}] {e.percent:3.0f} %"
+            self.say(f"{where}  {case.key}  {_result(outcome)}  ({e.text()})")
         self.tick()
 
     def tick(self) -> None:
-        """Bring the percentage and the time left up to date."""
+        """Time passed; a log needs no clock."""
         e = self._estimate
-        self._bar.update(
-            self._task,
-            completed=e.percent,
-            count=f"{e.done}/{e.count} cases",
-            left=e.text(),
-            now=escape(", ".join(self._running)),
-        )
+        if self._display.is_terminal:
+            text = f"{e.done} of {e.count} cases, {e.text()}  {', '.join(self._running)}"
+            self._display.show(e.percent, text, at=time.monotonic())
 
     def close(self) -> None:
-        """Take the bar away from the cursor."""
-        self._bar.stop()
+        """Nothing more will come."""
+        self._display.close()
 
 
 def reporter(cases: Sequence[Case], jobs: int) -> Reporter:
-    """A bar when a person watches, lines when not."""
-    console = Console()
-    if console.is_terminal:
-        return BarReporter(cases, jobs, console)
-    return PlainReporter(cases, jobs)
+    """The reporter of a study, on standard output."""
+    return Reporter(cases, jobs, Display(stream=sys.stdout))

@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from sphsolid.compiled import source_hash
-from studies.engine.sources import ROOT, hash_of_sources
+from studies.engine.sources import ROOT, command_of, hash_of_sources
 
 _PACKAGES = ("numpy", "scipy", "numba", "llvmlite", "scikit-fem", "pandas", "matplotlib", "typst")
 
@@ -35,6 +35,7 @@ def describe_run(
     mode: str,
     jobs: int,
     threads: int,
+    cluster: bool,
     wall_s: float,
     cases: int,
     failed: int,
@@ -43,7 +44,7 @@ def describe_run(
     """What ``run.json`` holds; names no folder of the machine it was made on."""
     return {
         "study": study,
-        "command": " ".join(["python", "-m", f"studies.{study}", *map(_relative, argv)]),
+        "command": " ".join([command_of(module), *map(_relative, argv)]),
         "mode": mode,
         "date_utc": datetime.datetime.now(datetime.UTC).strftime("%Y-%m-%d %H:%M:%S"),
         "wall_s": round(wall_s, 1),
@@ -63,6 +64,7 @@ def describe_run(
         "cpu": cpu_model(),
         "cores": cores(),
         "jobs": jobs,
+        "cluster": cluster,
         "threads_per_job": threads,
     }
 

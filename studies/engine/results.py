@@ -30,13 +30,13 @@ class Results:
     run: dict[str, Any]
 
 
-def read_results(name: str, out: Path) -> Results:
-    """What an earlier run wrote to ``out``; raises ``InputError`` where there is none."""
+def read_results(command: str, out: Path) -> Results:
+    """What an earlier run by ``command`` wrote to ``out``; raises ``InputError`` without one."""
     try:
         run = json.loads((out / "run.json").read_text(encoding="utf-8"))
     except OSError as error:
         raise InputError(
-            f"{out} holds no finished run of studies.{name}; run it without --report-only"
+            f"{out} holds no finished run of `{command}`; run it without --report-only"
         ) from error
     tables = {table: _read_csv(out / f"{table}.csv") for table in run["tables"]}
     return Results(out, tables, _read_csv(out / "failures.csv"), run)

@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import multiprocessing
 import sys
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -26,14 +27,16 @@ from matplotlib.figure import Figure as Drawing
 
 from sphsolid.errors import InputError, require
 from sphsolid.paths import path_of
+from sphsolid.record.display import duration
 from studies.engine.case import Case, Outcome, Row, load, partial_path, store, write_atomically
 from studies.engine.claims import Claim, claims_table
 from studies.engine.plotting import save_figure, style
 from studies.engine.pool import Processes, Workers, longest_first
-from studies.engine.progress import Reporter, duration, reporter
+from studies.engine.progress import Reporter, reporter
 from studies.engine.provenance import cores, describe_run
 from studies.engine.results import Results, Tables, read_results, write_csv
 from studies.engine.scheduler import on_cluster
+from studies.engine.sources import command_of
 from studies.engine.text import document
 from studies.engine.typeset import write_pdf
 from studies.engine.warm_up import warm_up
@@ -50,8 +53,9 @@ class Study:
     into tables; ``table`` is the main one, and rows are in the order of the cases.
     ``claims(tables)`` judges them.  ``figures`` are functions of the results by name; those in
     ``shown`` are kept as PNG beside the tables, for README and docs.  ``text`` is the Markdown file
-    of the report, and ``words(tables)`` are further holes in it.  ``warm_up(options)`` lists tiny
-    cases that compile every kernel of the study; the cheapest case if left out.
+    of the report, and ``words(tables)`` are further holes in it.  ``keep(out, tables)`` is called
+    at the end of a run and keeps what figures need beside the tables.  ``warm_up(options)`` lists
+    tiny cases that compile every kernel of the study; the cheapest case if left out.
     """
 
     name: str
@@ -64,19 +68,34 @@ class Study:
     words: Callable[[Tables], Mapping[str, Any]] = lambda tables: {}
     summary: Callable[[Tables], str] | None = None
     arguments: Callable[[argparse.ArgumentParser], None] = lambda parser: None
+    keep: Callable[[Path, Tables], None] = lambda out, tables: None
     warm_up: Callable[[argparse.Namespace], Sequence[Case]] | None = None
     description: str = ""
 
+    @property
+    def module(self) -> str:
+        """Where its cases are listed."""
+        return self.cases.__module__
+
+    @property
+    def command(self) -> str:
+        """How it is started."""
+        return command_of(self.module)
+
 
 def run_study(study: Study) -> None:
-    """Run a study from its command line and end the process with its status."""
-    sys.exit(main(study))
+    """Run a study from its command line and end the process with its status.
+
+    Nothing happens in a worker that imports the script again to find its cases.
+    """
+    if not getattr(multiprocessing.current_process(), "_inheriting", False):
+        sys.exit(main(study))
 
 
 def main(study: Study, argv: Sequence[str] | None = None) -> int:
     """Run a study from its command line; returns the exit status.
 
-    0: done, perhaps with cases that failed (they are in the report); 1: no case finished;
+    0: done, perhaps with cases that failed (they are in the report); 1: no row, and so no report;
     2: wrong input; 130: interrupted, what had finished is kept for ``--resume``.
     """
     given = sys.argv[1:] if argv is None else list(argv)
@@ -84,7 +103,10 @@ def main(study: Study, argv: Sequence[str] | None = None) -> int:
     try:
         if not options.report_only:
             _run(study, options, given)
-        results = read_results(study.name, options.out)
+        results = read_results(study.command, options.out)
+        if len(results.tables["table"]) == 0:
+            print(_closing_lines(results), file=sys.stderr)
+            return 1
         claims = list(study.claims(results.tables))
         _report(study, results, claims)
     except InputError as error:
@@ -95,13 +117,14 @@ def main(study: Study, argv: Sequence[str] | None = None) -> int:
         return 130
     print(_summary(study, results.tables, claims))
     print(_closing_lines(results))
-    return 0 if len(results.tables["table"]) else 1
+    print(f"report: {results.out / 'report.pdf'}")
+    return 0
 
 
 def parse(study: Study, given: Sequence[str]) -> argparse.Namespace:
     """The command line of ``study``; wrong options end the process as ``argparse`` does."""
     parser = argparse.ArgumentParser(
-        prog=f"python -m studies.{study.name}", description=study.description or None
+        prog=study.command, description=study.description or None
     )
     size = parser.add_mutually_exclusive_group()
     size.add_argument("--quick", action="store_true", help="the short form, about a minute")
@@ -137,8 +160,8 @@ def _run(study: Study, options: argparse.Namespace, given: Sequence[str]) -> Non
     start = time.perf_counter()
     cases = list(study.cases(options))
     keys = [case.key for case in cases]
-    require(len(cases) > 0, f"studies.{study.name}: there are no cases to run")
-    require(len(set(keys)) == len(keys), f"studies.{study.name}: case keys repeat")
+    require(len(cases) > 0, f"study {study.name}: there are no cases to run")
+    require(len(set(keys)) == len(keys), f"study {study.name}: case keys repeat")
     folder = options.out / "partial"
     outcomes = _kept(cases, folder) if options.resume else {}
     if not options.resume:
@@ -149,6 +172,7 @@ def _run(study: Study, options: argparse.Namespace, given: Sequence[str]) -> Non
     jobs = options.jobs or cores()
     if todo:
         with _workers(options) as workers:
+            jobs = workers.at_once
             if options.scheduler is None:
                 tiny = study.warm_up(options) if study.warm_up else [min(cases, key=_cost)]
                 warm_up(tiny, threads=options.threads, say=lambda text: print(text, flush=True))
@@ -159,7 +183,22 @@ def _run(study: Study, options: argparse.Namespace, given: Sequence[str]) -> Non
                 outcomes |= _work(todo, workers, options.quick, folder, show)
             finally:
                 show.close()
-    _write(study, options, given, [outcomes[key] for key in keys], resumed, start)
+    ordered = [outcomes[key] for key in keys]
+    tables = _write(study, options.out, ordered)
+    run = describe_run(
+        study=study.name,
+        module=study.module,
+        argv=given,
+        mode="quick" if options.quick else "full",
+        jobs=jobs,
+        threads=options.threads,
+        cluster=options.scheduler is not None,
+        wall_s=time.perf_counter() - start,
+        cases=len(cases),
+        failed=sum(outcome.failed for outcome in ordered),
+        resumed=resumed,
+    ) | {"tables": tables}
+    write_atomically(options.out / "run.json", json.dumps(run, indent=2) + "\n")
 
 
 def _cost(case: Case) -> float:
@@ -171,7 +210,9 @@ def _workers(options: argparse.Namespace) -> Iterator[Workers]:
     if options.scheduler is None:
         yield Processes(options.jobs or cores(), options.threads)
     else:
-        with on_cluster(options.scheduler, jobs=options.jobs) as workers:
+        with on_cluster(
+            options.scheduler, jobs=options.jobs, threads=options.threads
+        ) as workers:
             yield workers
 
 
@@ -198,35 +239,17 @@ def _work(
     return outcomes
 
 
-def _write(
-    study: Study,
-    options: argparse.Namespace,
-    given: Sequence[str],
-    outcomes: Sequence[Outcome],
-    resumed: int,
-    start: float,
-) -> None:
-    failed = [outcome for outcome in outcomes if outcome.failed]
+def _write(study: Study, out: Path, outcomes: Sequence[Outcome]) -> list[str]:
+    """The tables as files; their names."""
     tables = study.tables([row for outcome in outcomes for row in outcome.rows])
-    require("table" in tables, f"studies.{study.name}: tables() must return one named 'table'")
+    require("table" in tables, f"study {study.name}: tables() must return one named 'table'")
     for name, table in tables.items():
-        write_csv(table, options.out / f"{name}.csv")
+        write_csv(table, out / f"{name}.csv")
     columns = ["key", "failure", "message", "wall_s"]
-    failures = pd.DataFrame([asdict(outcome) for outcome in failed], columns=columns)
-    write_csv(failures, options.out / "failures.csv")
-    run = describe_run(
-        study=study.name,
-        module=study.cases.__module__,
-        argv=given,
-        mode="quick" if options.quick else "full",
-        jobs=options.jobs or cores(),
-        threads=options.threads,
-        wall_s=time.perf_counter() - start,
-        cases=len(outcomes),
-        failed=len(failed),
-        resumed=resumed,
-    ) | {"tables": list(tables)}
-    write_atomically(options.out / "run.json", json.dumps(run, indent=2) + "\n")
+    failed = [asdict(outcome) for outcome in outcomes if outcome.failed]
+    write_csv(pd.DataFrame(failed, columns=columns), out / "failures.csv")
+    study.keep(out, tables)
+    return list(tables)
 
 
 def _report(study: Study, results: Results, claims: Sequence[Claim]) -> None:
@@ -265,7 +288,7 @@ def _closing_lines(results: Results) -> str:
     run = results.run
     lines = [
         f"{run['cases'] - run['cases_failed']} of {run['cases']} cases finished, "
-        f"{duration(run['wall_s'])}; report: {results.out / 'report.pdf'}"
+        f"{duration(run['wall_s'])}"
     ]
     for row in results.failures.itertuples():
         lines.append(f"failed: {row.key}: {row.failure}: {row.message}")

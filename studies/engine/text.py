@@ -2,20 +2,24 @@
 
 ``{{ order | number(".2f") }}`` is a number, ``{{ table(frame, "caption") }}`` a table and
 ``{{ figure("name", "caption") }}`` a figure, each of the last two on a line of its own.  The first
-heading is the title and what stands before the second is the abstract.  What was found (the claims)
-follows it on the first page; what was run and what failed end the report.
+heading is the title and what stands before the second is the abstract, and tables or figures that
+belong to it.  What was found (the claims) follows on the first page; what was run and what failed
+end the report.
 """
 
 from __future__ import annotations
 
 import math
+import traceback
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from itertools import takewhile
 from pathlib import Path
 from typing import Any
 
 import pandas as pd
 
 from sphsolid.errors import InputError, require
+from sphsolid.record.display import duration
 from studies.engine.claims import Claim, claims_table
 from studies.engine.document import (
     Block,
@@ -27,9 +31,10 @@ from studies.engine.document import (
     Table,
     format_cell,
 )
-from studies.engine.progress import duration
 from studies.engine.results import Results
 
+#: What a report can hold of Markdown.
+_HELD = ("heading", "paragraph", "bullet_list", "list_item")
 #: Around the number of a block in the filled text: no author writes it.
 _MARK = "\x02"
 
@@ -48,12 +53,12 @@ def document(
     """
     blocks: list[Block] = []
     text = _filled(template, results, claims, words, draw, blocks)
-    title, abstract, body = _parts(template, list(_read(text, blocks)))
+    title, abstract, first, body = _parts(template, list(_read(text, blocks)))
     return Document(
         title=title,
         subtitle=subtitle(results.run),
         abstract=abstract,
-        blocks=[*_found(claims), *body, *_run(results.run), *_failed(results.failures)],
+        blocks=[*first, *_found(claims), *body, *_run(results.run), *_failed(results.failures)],
     )
 
 
@@ -108,10 +113,14 @@ def _filled(
     try:
         made = environment.from_string(template.read_text(encoding="utf-8"))
         return made.render(holes, table=table, figure=figure, isnan=math.isnan)
-    except jinja2.TemplateError as error:
-        line = getattr(error, "lineno", None)
-        where = template.name + (f", line {line}" if line else "")
-        raise InputError(f"{where}: {error}") from error
+    except InputError:
+        raise
+    except Exception as error:
+        lines = [getattr(error, "lineno", None)]
+        frames = traceback.extract_tb(error.__traceback__)
+        lines += [frame.lineno for frame in frames if frame.filename == "<template>"]
+        where = template.name + "".join(f", line {line}" for line in lines[-1:] if line)
+        raise InputError(f"{where}: {type(error).__name__}: {error}") from error
 
 
 def _read(text: str, blocks: Sequence[Block]) -> Iterator[Block]:
@@ -121,6 +130,11 @@ def _read(text: str, blocks: Sequence[Block]) -> Iterator[Block]:
     tokens = MarkdownIt("commonmark").parse(text)
     items: list[str] = []
     for number, token in enumerate(tokens):
+        require(
+            token.type.rpartition("_")[0] in _HELD or token.type == "inline",
+            f"the text of a report holds headings, paragraphs and bullets, not {token.type} "
+            f"({token.content.strip()[:60]!r})",
+        )
         if token.type == "bullet_list_close":
             yield Bullets(tuple(items))
             items = []
@@ -146,21 +160,21 @@ def _placed(content: str, blocks: Sequence[Block]) -> Iterator[Block]:
             yield Paragraph(part.strip())
 
 
-def _parts(template: Path, found: list[Block]) -> tuple[str, str, list[Block]]:
-    """Title, abstract and the rest, whose headings go up by one level."""
+def _parts(template: Path, found: list[Block]) -> tuple[str, str, list[Block], list[Block]]:
+    """Title, abstract, what stands beside it, and the rest, whose headings go up by one level."""
     require(
         len(found) > 1 and isinstance(found[0], Heading) and found[0].level == 1,
         f"{template.name} must begin with its title: # Title",
     )
-    abstract = []
     rest = found[1:]
-    while rest and isinstance(rest[0], Paragraph):
-        abstract.append(rest.pop(0).text)  # type: ignore[union-attr]
+    abstract = [block.text for block in takewhile(lambda b: isinstance(b, Paragraph), rest)]  # type: ignore[union-attr]
+    rest = rest[len(abstract) :]
+    first = list(takewhile(lambda block: not isinstance(block, Heading), rest))
     body: list[Block] = [
         Heading(block.text, max(1, block.level - 1)) if isinstance(block, Heading) else block
-        for block in rest
+        for block in rest[len(first) :]
     ]
-    return found[0].text, " ".join(abstract), body  # type: ignore[union-attr]
+    return found[0].text, " ".join(abstract), first, body  # type: ignore[union-attr]
 
 
 def _found(claims: Sequence[Claim]) -> list[Block]:
@@ -189,7 +203,8 @@ def _run(run: Mapping[str, Any]) -> list[Block]:
         "Python": run["python"],
         "packages": ", ".join(f"{name} {version}" for name, version in run["packages"].items()),
         "processor": f"{run['cpu']}, {run['cores']} cores, {run['system']}",
-        "workers": f"{run['jobs']}, each with {run['threads_per_job']} kernel thread(s)",
+        "workers": f"{run['jobs']}{' of a Dask cluster' if run.get('cluster') else ''}, "
+        f"each with {run['threads_per_job']} kernel thread(s)",
     }
     frame = pd.DataFrame({"what": list(facts), "value": list(facts.values())})
     return [Heading("What was run"), Table("How these results were made.", frame)]

@@ -15,9 +15,9 @@ from contextlib import suppress
 import numba
 
 from sphsolid.compiled import CACHE_DIR
+from sphsolid.record.display import duration
 from studies.engine.case import Case, case_hash
 from studies.engine.pool import Processes
-from studies.engine.progress import duration
 from studies.engine.provenance import cpu_model
 
 
@@ -36,7 +36,7 @@ def warm_up(cases: Sequence[Case], *, threads: int, say: Callable[[str], None]) 
     start = time.perf_counter()
     failed = [
         outcome.key
-        for _, outcome in Processes(jobs=1, threads=threads).run(cases)
+        for _, outcome in Processes(1, threads).run(cases)
         if outcome.failed
     ]
     say(f"compiled in {duration(time.perf_counter() - start)}")

@@ -26,9 +26,12 @@ def extrapolate(h: ArrayLike, values: ArrayLike) -> Limit:
     """``T`` of ``T + a h^2 + b h^4`` through the three finest of ``values (n,)`` at ``h (n,)``.
 
     Two terms, because errors of coarse lattices change sign: one power of ``h`` cannot.
-    ``within`` is the larger of two changes: without the second term (``T + a h^2`` through the two
-    finest), and without the finest level, so there must be four.  Raises ``InputError`` for fewer
-    than :data:`LEVELS` different spacings, and for values that are not finite.
+    ``within`` is the largest of three changes.  One is without the second term (``T + a h^2``
+    through the two finest).  One is without the finest level, so there must be four.  One is with
+    the first power of ``h`` (``T + a h`` through the two finest), taken where the differences of
+    the levels do not fall as fast as those of ``h^1.5``: a method of first order.  Raises
+    ``InputError`` for fewer than :data:`LEVELS` different spacings, and for values that are not
+    finite.
     """
     spacing, found = np.asarray(h, dtype=float), np.asarray(values, dtype=float)
     require(
@@ -41,8 +44,17 @@ def extrapolate(h: ArrayLike, values: ArrayLike) -> Limit:
     finest = np.argsort(spacing, kind="stable")
     h2, T = spacing[finest] ** 2, found[finest]
     value = _at_zero(h2[:3], T[:3])
-    others = (_at_zero(h2[:2], T[:2]), _at_zero(h2[1:4], T[1:4]))
+    others = [_at_zero(h2[:2], T[:2]), _at_zero(h2[1:4], T[1:4])]
+    if _falls_slowly(h2, T):
+        others.append(_at_zero(np.sqrt(h2[:2]), T[:2]))
     return Limit(value, float(max(abs(other - value) for other in others)))
+
+
+def _falls_slowly(h2: Array, T: Array) -> bool:
+    """Whether the three finest differ by less than a power ``h^1.5`` would let them fall."""
+    fine, coarse = abs(T[0] - T[1]), abs(T[1] - T[2])
+    h = np.sqrt(h2[:3])
+    return bool(fine > coarse * (h[1] ** 1.5 - h[0] ** 1.5) / (h[2] ** 1.5 - h[1] ** 1.5))
 
 
 def _at_zero(x: Array, y: Array) -> float:

@@ -12,6 +12,9 @@ from sphsolid.geometry.mesh import HexMesh, hexahedra
 from sphsolid.record import Snapshot
 from studies.measures.percentiles import weighted_percentile
 
+#: Noise that counts as smooth (a sine of ten spacings has 0.1) and as fluctuating, and the largest
+#: share of a fluctuation that may be left where a term removes it: the same in every study.
+SMOOTH, FLUCTUATES, REMOVED = 0.1, 0.15, 0.5
 Array = NDArray[np.float64]
 Triples = NDArray[np.int64]
 

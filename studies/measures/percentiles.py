@@ -46,7 +46,7 @@ def weighted_percentile(
     first = np.searchsorted(below, q - _SAME)
     # One further where the share is the whole of what lies below: between two values.
     second = np.minimum(np.searchsorted(below, q + _SAME), len(v) - 1)
-    # Nothing lies below the least value, and the least it is.
-    first = np.where(q <= _SAME, 0, first)
-    second = np.where(q <= _SAME, 0, second)
+    # Nothing lies below the least value or above the largest, however little they weigh.
+    for end, at in ((q <= _SAME, 0), (q >= 1.0 - _SAME, len(v) - 1)):
+        first, second = np.where(end, at, first), np.where(end, at, second)
     return np.asarray(0.5 * (v[order[first]] + v[order[second]]))

@@ -4,15 +4,21 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import pandas as pd
 
 from sphsolid.errors import Diverged
+from sphsolid.record.history import History
 from sphsolid.record.recorders import Recorder
 from studies.measures.folding import folding
+
+#: What :meth:`Ran.columns` gives.
+COLUMNS = (
+    "survived", "diverged_at", "where", "why", "folded", "folded_at", "steps", "wall_s", "cpu_s",
+)  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -37,7 +43,7 @@ class Ran:
         return self.diverged is None
 
     def columns(self) -> dict[str, Any]:
-        """``survived, diverged_at [s], where, why, folded, folded_at, steps, wall_s, cpu_s``."""
+        """Columns :data:`COLUMNS`; times in s."""
         stop = self.diverged
         return {
             "survived": stop is None,
@@ -60,15 +66,19 @@ def run(
     record: Sequence[Recorder] = (),
 ) -> Ran:
     """Advance ``solver`` to ``until`` [s] with records ``every`` [s], and say how it went."""
+    return attempt(solver, lambda: solver.run(until=until, every=every, record=record))
+
+
+def attempt(solver: Any, work: Callable[[], History | None]) -> Ran:
+    """Do ``work`` with ``solver``, and say how it went; the history is what ``work`` returns."""
     started, busy = time.perf_counter(), time.process_time()
     diverged = None
     try:
-        history = solver.run(until=until, every=every, record=record).table
+        history = work()
     except Diverged as stop:
-        diverged = stop
-        history = stop.history.table  # type: ignore[attr-defined]
+        diverged, history = stop, getattr(stop, "history", None)
     return Ran(
-        history=history,
+        history=pd.DataFrame() if history is None else history.table,
         diverged=diverged,
         steps=solver.step,
         wall_s=time.perf_counter() - started,

@@ -16,10 +16,10 @@ from __future__ import annotations
 import importlib
 import math
 from collections.abc import Callable, Iterable
-from pathlib import Path
 from typing import Any
 
-FOLDER = Path(__file__).parent
+from studies.meshes import MESHES as FOLDER
+
 #: Half-width, thickness and radius of the hole of the plate; side of the block around the hole.
 WIDTH, THICKNESS, HOLE, INNER = 0.5, 0.05, 0.1, 0.25
 #: Radius of the cylinder, and of the corners of the square block in its middle.
@@ -215,7 +215,7 @@ def _name_faces(gmsh: Any, places: dict[str, Callable[[float, float, float], boo
 
 
 #: File -> what makes it, and the version of the format it is written in.
-MESHES: dict[str, tuple[Callable[[Any], None], float]] = {
+FILES: dict[str, tuple[Callable[[Any], None], float]] = {
     "plate_with_hole_hex": (plate_with_hole_hex, 4.1),
     "plate_with_hole_tet": (plate_with_hole_tet, 2.2),
     "cylinder_hex": (cylinder_hex, 4.1),
@@ -229,7 +229,7 @@ MESHES: dict[str, tuple[Callable[[Any], None], float]] = {
 def main() -> None:
     """Write every file."""
     gmsh: Any = importlib.import_module("gmsh")
-    for name, (make, version) in MESHES.items():
+    for name, (make, version) in FILES.items():
         gmsh.initialize()
         gmsh.option.setNumber("General.Terminal", 0)
         gmsh.option.setNumber("Mesh.Binary", 1)

@@ -1,1 +1,243 @@
-"""Error against cost: which method for which accuracy."""
+"""Which method for which accuracy?  Error against cost of every formulation and element.
+
+``python -m studies.pareto`` runs the swinging cube (manufactured, large strain) and the twisting
+column, both at nu = 0.3 and 0.495, with every method of ``methods.py`` on several lattices; one
+case at a time, errors on all threads, costs on one.
+"""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Iterator, Mapping
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+
+from studies.engine.provenance import cores
+from studies.engine.study import Case, Claim, Row, Study, Tables
+from studies.measures import folding
+from studies.measures.tables import select
+from studies.methods import B_BAR, TAYLOR_HOOD, Method
+from studies.pareto.choice import ENERGY_MADE, SAME_COST, WITHIN, recommendation
+from studies.pareto.figures import drawing
+from studies.pareto.iso_error import (
+    ASKED,
+    CERTAIN,
+    CHEAPER,
+    DECIDED,
+    EQUAL,
+    FARTHEST,
+    NEVER,
+    counts,
+    iso_table,
+    ratios,
+)
+from studies.pareto.methods import MIXED, PFJ, PLAIN, REFERENCES, compared, goes_finest, options
+from studies.pareto.methods import PF as P_F
+from studies.pareto.reference import column_errors, reference
+from studies.pareto.runs import COLUMN, CUBE, LARGEST_GRADIENT, SCENES, Timing, run_case
+
+POISSON = (0.3, 0.495)
+#: End of the column's run [s].
+END = 0.1
+#: Cells per metre in the full and in the short form, and of the reference of the column.
+LEVELS = {CUBE: (4, 8, 16), COLUMN: (3, 5, 10)}
+QUICK_LEVELS = {CUBE: (4, 6), COLUMN: (3, 5)}
+FINEST_CUBE, FINEST_REFERENCE, QUICK_REFERENCE = 32, 16, 6
+FULL, QUICK, UNTIMED = Timing(0.15, 5), Timing(0.03, 3), Timing(0.0, 0)
+RUN = ["nu", "method", "cells"]
+#: Columns of the main table; errors are shares, costs CPU seconds of one thread and bytes.
+COLUMNS = [
+    "scene", *RUN, "solver", "formulation", "stabilisation", "projection", "integrator",
+    "particles", "steps", "evaluations_per_step", "evaluations", "end_time", "survived",
+    "diverged_at", "where", "why", *folding.COLUMNS, "momentum", "stress", "stress_size",
+    "twist_rms", "twist_end", "energy", "energy_kept", "twist_rms_uncertainty",
+    "twist_end_uncertainty", "cpu_s_per_s", "cpu_s_per_s_worst", "step_cpu_s", "step_cpu_spread",
+    "ns_per_particle_step", "repeats", "window_steps", "setup_cpu_s", "error_run_cpu_s", "bytes",
+    "bytes_per_particle", "pairs", "gathered_bytes", "streamed_bytes", "multiply_adds",
+    "bytes_moved_per_s",
+]  # fmt: skip
+OF_OPTIONS = [
+    "nu", "formulation", "stabilisation", "projection", "cells", "momentum", "stress", "survived",
+    "ns_per_particle_step", "cpu_s_per_s", "bytes_per_particle",
+]  # fmt: skip
+#: Headings of the tables of all runs.
+HEADINGS = {"method": "method", "particles": "particles", "steps": "steps"}
+SIZES = {
+    CUBE: {"momentum": "momentum", "stress": "stress", "stress_size": "size"},
+    COLUMN: {"twist_rms": "twist rms", "twist_end": "end", "energy": "energy",
+             "energy_kept": "E/E0"},
+}  # fmt: skip
+COSTS = {
+    "cpu_s_per_s": "CPU s/s", "step_cpu_spread": "spread", "ns_per_particle_step": "ns/step",
+    "bytes_per_particle": "B/particle", "setup_cpu_s": "set-up s", "survived": "survived",
+}  # fmt: skip
+
+
+def short(nu: float) -> list[Method]:
+    """One method of each family but the dearest."""
+    paper = compared(nu)[-3]
+    return [MIXED[P_F], MIXED[PFJ], PLAIN[P_F], paper, B_BAR]
+
+
+def _case(scene: str, nu: float, method: Method, cells: int, timing: Timing) -> Case:
+    edge = 2 if method == TAYLOR_HOOD else 1
+    on = edge * -(-cells // edge)
+    size = on**3 * (1.0 if scene == CUBE else 6.0)
+    cost = 1e-3 * size * on * (5.0 if nu > 0.4 else 1.0) * (3.0 if "H6" in method.name else 1.0)
+    key = f"{scene} nu {nu:g} {method.name} 1/{on}" + ("" if timing.repeats else " reference")
+    arguments = {"scene": scene, "nu": nu, "method": method, "cells": on, "until": END}
+    return Case(key, run_case, arguments | {"timing": timing}, cost + 0.5 * bool(timing.repeats))
+
+
+def cases(given: argparse.Namespace) -> list[Case]:
+    """Every run of the study, each once."""
+    made = {case.key: case for case in _all(given.quick)}
+    return list(made.values())
+
+
+def _all(quick: bool) -> Iterator[Case]:
+    timing = QUICK if quick else FULL
+    for scene in SCENES:
+        for nu in POISSON:
+            for method in short(nu) if quick else compared(nu):
+                levels = (QUICK_LEVELS if quick else LEVELS)[scene]
+                if scene == CUBE and not quick and goes_finest(method, nu):
+                    levels = (*levels, FINEST_CUBE)
+                for cells in levels:
+                    yield _case(scene, nu, method, cells, timing)
+    for nu in POISSON:
+        for method in () if quick and nu > POISSON[0] else options():
+            yield _case(CUBE, nu, method, QUICK_LEVELS[CUBE][0] if quick else 16, timing)
+        for method in REFERENCES:
+            cells = QUICK_REFERENCE if quick else FINEST_REFERENCE
+            yield _case(COLUMN, nu, method, cells, UNTIMED)
+
+
+def warm_up(given: argparse.Namespace) -> list[Case]:
+    """Tiny runs that compile every kernel of the study."""
+    tiny = [
+        _case(scene, POISSON[1], method, 2, Timing(1e-3, 1))
+        for method in compared(POISSON[1]) for scene in SCENES
+    ]  # fmt: skip
+    return [Case(each.key, each.run, dict(each.arguments) | {"until": 2e-3}) for each in tiny]
+
+
+def tables(rows: list[Row]) -> Tables:
+    """``table``, ``iso_error``, ``ratios`` (and those of stabilised particles alone), ``options``,
+    ``recommendation``, ``reference`` and ``history``.
+    """
+    everything = pd.DataFrame(rows, columns=["kind", *RUN] if not rows else None)
+    of_history = ["scene", *RUN, "time [s]", "twist [rad]", "energy [J]"]
+    history = select(everything, kind="instant").reindex(columns=of_history)
+    known = reference(history)
+    runs = select(everything, kind="run").dropna(axis=1, how="all")
+    table = main_table(runs, column_errors(history, known))
+    of_compared = [method.name for method in compared(POISSON[0])]
+    iso = iso_table(table[table["method"].isin(of_compared)])
+    return {
+        "table": table,
+        "iso_error": iso,
+        "ratios": ratios(iso),
+        "ratios_stabilised": ratios(iso[iso["stabilisation"] != "none"]),
+        "options": options_table(table),
+        "recommendation": recommendation(table),
+        "reference": known,
+        "history": history,
+    }
+
+
+def main_table(runs: pd.DataFrame, errors: pd.DataFrame) -> pd.DataFrame:
+    """One row a run in :data:`COLUMNS`; runs that only serve as reference have no cost."""
+    if len(runs) == 0:
+        return pd.DataFrame(columns=COLUMNS)
+    table = runs.merge(errors, on=RUN, how="left").reindex(columns=COLUMNS)
+    table[["where", "why"]] = table[["where", "why"]].fillna("")
+    per_second = table["steps"] / table["end_time"]
+    per_evaluation = table["gathered_bytes"] + table["streamed_bytes"]
+    spread = 1.0 + table["step_cpu_spread"]
+    table["evaluations"] = table["evaluations_per_step"] * table["steps"]
+    table["cpu_s_per_s"] = per_second * table["step_cpu_s"]
+    table["cpu_s_per_s_worst"] = table["cpu_s_per_s"] * spread
+    table["ns_per_particle_step"] = 1e9 * table["step_cpu_s"] / table["particles"]
+    table["bytes_per_particle"] = table["bytes"] / table["particles"]
+    table["bytes_moved_per_s"] = per_second * table["evaluations_per_step"] * per_evaluation
+    return table
+
+
+def options_table(table: pd.DataFrame) -> pd.DataFrame:
+    """Formulation x stabilisation x projection on the cube, on the finest lattice of all."""
+    names = [method.name for method in options()]
+    shown = table[(table["scene"] == CUBE) & table["method"].isin(names)]
+    count = shown.groupby(["nu", "cells"])["method"].transform("nunique")
+    most = shown[count == count.groupby(shown["nu"]).transform("max")]
+    finest = most[most["cells"] == most.groupby("nu")["cells"].transform("max")]
+    return finest.sort_values("nu", kind="stable")[OF_OPTIONS]
+
+
+def claims(tables: Tables) -> list[Claim]:
+    """SPH against FEM, scene by scene: in how many decided comparisons it costs less."""
+    found = []
+    for name, what in (("ratios", "any particles"), ("ratios_stabilised", "stabilised particles")):
+        for (scene, nu), part in tables[name].groupby(["scene", "nu"], sort=False):
+            outcome = part["outcome"]
+            decided = int(outcome.isin(DECIDED).sum())
+            found.append(
+                Claim.counted(
+                    f"at equal error {what} cost less CPU time than FEM",
+                    int((outcome == CHEAPER).sum()), decided, where=f"{scene}, nu = {nu:g}",
+                    wanted="all that can be compared",
+                )
+            )  # fmt: skip
+    return found
+
+
+def words(tables: Tables) -> Mapping[str, Any]:
+    """Thresholds, what the comparisons came to, and the tables by scene and Poisson's ratio."""
+    table, iso, known = tables["table"], tables["iso_error"], tables["reference"]
+    even = (50.0 * known["time [s]"]).round(6) % 1.0 == 0.0
+    names = [method.name for method in compared(POISSON[0])]
+    parts = [
+        {
+            "scene": scene, "nu": nu, "columns": HEADINGS | SIZES[scene] | COSTS,
+            "iso": select(iso[iso["how"] != NEVER], scene=scene, nu=nu),
+            "runs": select(table[table["method"].isin(names)], scene=scene, nu=nu),
+        }
+        for scene in SCENES for nu in POISSON
+    ]  # fmt: skip
+    return {
+        "parts": parts, "some": counts(tables["ratios"]),
+        "stabilised": counts(tables["ratios_stabilised"]), "nus": POISSON, "asked": ASKED,
+        "equal": EQUAL, "certain": CERTAIN, "farthest": FARTHEST, "within": WITHIN,
+        "same_cost": SAME_COST, "energy_made": ENERGY_MADE, "end": END,
+        "gradient": LARGEST_GRADIENT, "known": known[even & (known["time [s]"] > 0.0)],
+    }  # fmt: skip
+
+
+def arguments(parser: argparse.ArgumentParser) -> None:
+    """One case at a time: nothing may compete with a timing."""
+    parser.set_defaults(jobs=1, threads=cores())
+
+
+_TIME, _MEMORY = "cpu_s_per_s", "bytes"
+STUDY = Study(
+    name="pareto",
+    cases=cases,
+    tables=tables,
+    claims=claims,
+    figures={
+        "pareto": partial(drawing, ((CUBE, "momentum"), (COLUMN, "twist_rms")), _TIME),
+        "cube_time": partial(drawing, ((CUBE, "momentum"), (CUBE, "stress")), _TIME),
+        "cube_memory": partial(drawing, ((CUBE, "momentum"), (CUBE, "stress")), _MEMORY),
+        "column_time": partial(drawing, ((COLUMN, "twist_rms"), (COLUMN, "energy")), _TIME),
+        "column_memory": partial(drawing, ((COLUMN, "twist_rms"), (COLUMN, "energy")), _MEMORY),
+    },
+    shown=("pareto",),
+    words=words,
+    text=Path(__file__).with_name("pareto.md"),
+    arguments=arguments,
+    warm_up=warm_up,
+    description="Error against CPU time and memory of SPH and FEM on two scenes.",
+)

@@ -4,7 +4,7 @@ Methods are compared at equal particles, on the finest lattice that all of them 
 whose error is within :data:`WITHIN` of the best *in every measure* may be chosen; of these the
 cheapest in CPU seconds per physical second is, and where costs are within :data:`SAME_COST` the
 one that holds fewer bytes.  Differences below the uncertainty of the reference do not count: it is
-added to all errors.  A method that was lost, folded or made energy is no choice.
+added to all errors.  A method that diverged, folded or made energy is no choice.
 """
 
 from __future__ import annotations
@@ -12,9 +12,8 @@ from __future__ import annotations
 import numpy as np
 import pandas as pd
 
+from studies.measures.folding import sound
 from studies.pareto.methods import CANDIDATES
-from studies.pareto.scenes import COLUMN, CUBE
-from studies.report.folding import sound
 
 WITHIN = 0.10
 #: Timings of a shared machine tell no less apart.
@@ -22,8 +21,9 @@ SAME_COST = 0.15
 #: Share of its energy that a method may make.
 ENERGY_MADE = 0.01
 #: What is compared in each scene: one measure a field, none twice.
-JUDGED = {CUBE: ("momentum", "stress"), COLUMN: ("twist_rms",)}
-EVERY_SCENE = "all"
+JUDGED = {"cube": ("momentum", "stress"), "column": ("twist_rms",)}
+NAMES = ["method", "formulation", "stabilisation"]
+CHOICES = ["scene", "nu", *NAMES, "error_ratio", "cpu_s_per_s", "bytes", "particles", "compared"]
 COLUMNS = [
     "scene", "nu", "formulation", "stabilisation", "error_ratio", "cpu_ratio", "bytes_ratio",
     "particles", "compared",
@@ -35,33 +35,21 @@ def error_ratios(table: pd.DataFrame) -> pd.DataFrame:
 
     ``error_ratio`` is ``inf`` for a method that is no choice; costs are those of a run.
     """
-    rows = []
-    shown = table[table["method"].isin(CANDIDATES) & table["cpu_s_per_s"].notna()]
-    for (scene, nu), part in shown.groupby(["scene", "nu"], sort=False):
+    found = []
+    names = [method.name for method in CANDIDATES]
+    shown = table[table["method"].isin(names) & table["cpu_s_per_s"].notna()]
+    for (scene, _), part in shown.groupby(["scene", "nu"], sort=False):
         counts = part.groupby("particles")["method"].nunique()
-        if len(counts) == 0:
-            continue
-        particles = counts[counts == counts.max()].index.max()
-        runs = part[part["particles"] == particles]
+        runs = part[part["particles"] == counts[counts == counts.max()].index.max()]
         worst = pd.Series(1.0, runs.index)
         for measure in JUDGED[str(scene)]:
             unsure = runs.get(f"{measure}_uncertainty", pd.Series(0.0, runs.index)).fillna(0.0)
             size = runs[measure] + unsure
-            worst = np.maximum(worst, size / size.min())
-        usable = sound(runs) & ~(runs["energy_kept"] > 1.0 + ENERGY_MADE)
-        for row, ratio, good in zip(runs.itertuples(), worst, usable, strict=True):
-            rows.append(
-                {
-                    "scene": scene, "nu": nu, "method": row.method,
-                    "formulation": row.formulation, "stabilisation": row.stabilisation,
-                    "error_ratio": float(ratio) if good and np.isfinite(ratio) else np.inf,
-                    "cpu_s_per_s": row.cpu_s_per_s, "bytes": row.bytes, "particles": particles,
-                    "compared": ", ".join(JUDGED[str(scene)]),
-                }
-            )  # fmt: skip
-    names = ["scene", "nu", "method", "formulation", "stabilisation", "error_ratio",
-             "cpu_s_per_s", "bytes", "particles", "compared"]  # fmt: skip
-    return pd.DataFrame(rows, columns=names)
+            worst = pd.Series(np.maximum(worst, size / size.min()), runs.index)
+        usable = sound(runs) & ~(runs["energy_kept"] > 1.0 + ENERGY_MADE) & np.isfinite(worst)
+        compared = ", ".join(JUDGED[str(scene)])
+        found.append(runs.assign(error_ratio=worst.where(usable, np.inf), compared=compared))
+    return pd.concat(found)[CHOICES] if found else pd.DataFrame(columns=CHOICES)
 
 
 def over_all_scenes(by_scene: pd.DataFrame) -> pd.DataFrame:
@@ -69,44 +57,31 @@ def over_all_scenes(by_scene: pd.DataFrame) -> pd.DataFrame:
 
     Costs of a scene count relative to its cheapest candidate, so that no scene outweighs another.
     """
-    rows = []
-    for nu, part in by_scene.groupby("nu", sort=False):
-        scenes = part["scene"].nunique()
-        cheapest = part.groupby("scene")[["cpu_s_per_s", "bytes"]].transform("min")
-        relative = part.assign(
-            cpu_s_per_s=part["cpu_s_per_s"] / cheapest["cpu_s_per_s"],
-            bytes=part["bytes"] / cheapest["bytes"],
-        )
-        for _, runs in relative.groupby("method", sort=False):
-            if len(runs) < scenes:
-                continue
-            first = runs.iloc[0]
-            rows.append(
-                {
-                    "scene": EVERY_SCENE, "nu": nu, "method": first["method"],
-                    "formulation": first["formulation"], "stabilisation": first["stabilisation"],
-                    "error_ratio": runs["error_ratio"].max(),
-                    "cpu_s_per_s": float(np.exp(np.log(runs["cpu_s_per_s"]).mean())),
-                    "bytes": float(np.exp(np.log(runs["bytes"]).mean())),
-                    "particles": runs["particles"].max(),
-                    "compared": "; ".join(f"{run.scene}: {run.compared}"
-                                          for run in runs.itertuples()),
-                }
-            )  # fmt: skip
-    return pd.DataFrame(rows, columns=by_scene.columns)
+    costs = ["cpu_s_per_s", "bytes"]
+    cheapest = by_scene.groupby(["scene", "nu"])[costs].transform("min")
+    relative = by_scene.assign(
+        **{cost: np.log((by_scene[cost] / cheapest[cost]).astype(float)) for cost in costs},
+        compared=by_scene["scene"] + ": " + by_scene["compared"],
+        scenes=by_scene.groupby(["nu", "method"])["scene"].transform("nunique"),
+    )
+    everywhere = relative["scenes"] == relative.groupby("nu")["scene"].transform("nunique")
+    together = relative[everywhere].groupby(["nu", *NAMES], sort=False, as_index=False)
+    made = together.agg(
+        error_ratio=("error_ratio", "max"), cpu_s_per_s=("cpu_s_per_s", "mean"),
+        bytes=("bytes", "mean"), particles=("particles", "max"), compared=("compared", "; ".join),
+    )  # fmt: skip
+    return made.assign(scene="all", **{cost: np.exp(made[cost].astype(float)) for cost in costs})
 
 
 def chosen(candidates: pd.DataFrame) -> pd.Series | None:
-    """The row to recommend among candidates of one scene and nu; ``None`` if all are unsound.
+    """The row to recommend among candidates of one scene and nu; None if all are unsound.
 
     Where none is within :data:`WITHIN` of the best in all measures, the smallest worst ratio.
     """
-    sound = candidates[np.isfinite(candidates["error_ratio"])]
-    if len(sound) == 0:
+    usable = candidates[np.isfinite(candidates["error_ratio"])]
+    if len(usable) == 0:
         return None
-    near = sound[sound["error_ratio"] <= 1.0 + WITHIN]
-    if len(near) == 0:
-        near = sound[sound["error_ratio"] == sound["error_ratio"].min()]
+    near = usable[usable["error_ratio"] <= max(1.0 + WITHIN, usable["error_ratio"].min())]
     cheap = near[near["cpu_s_per_s"] <= (1.0 + SAME_COST) * near["cpu_s_per_s"].min()]
     return cheap.loc[cheap["bytes"].idxmin()]
 
@@ -120,18 +95,13 @@ def recommendation(table: pd.DataFrame) -> pd.DataFrame:
     by_scene = error_ratios(table)
     rows = []
     for frame in (by_scene, over_all_scenes(by_scene)):
-        for (scene, nu), candidates in frame.groupby(["scene", "nu"], sort=False):
+        for _, candidates in frame.reset_index(drop=True).groupby(["scene", "nu"], sort=False):
             taken = chosen(candidates)
-            if taken is None:
-                continue
-            best = candidates.loc[candidates["error_ratio"].idxmin()]
-            rows.append(
-                {
-                    "scene": scene, "nu": nu, "formulation": taken["formulation"],
-                    "stabilisation": taken["stabilisation"], "error_ratio": taken["error_ratio"],
+            if taken is not None:
+                best = candidates.loc[candidates["error_ratio"].idxmin()]
+                ratios = {
                     "cpu_ratio": taken["cpu_s_per_s"] / best["cpu_s_per_s"],
                     "bytes_ratio": taken["bytes"] / best["bytes"],
-                    "particles": taken["particles"], "compared": taken["compared"],
                 }
-            )  # fmt: skip
+                rows.append(dict(taken) | ratios)
     return pd.DataFrame(rows, columns=COLUMNS)

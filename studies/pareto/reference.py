@@ -16,6 +16,7 @@ import pandas as pd
 from studies.pareto.methods import REFERENCES
 
 ORDER = 2.0
+KINDS = tuple(method.name for method in REFERENCES)
 COLUMNS = ["nu", "time [s]", "twist [rad]", "uncertainty [rad]", "kinds", "finest"]
 
 
@@ -32,7 +33,7 @@ def spread(values: Sequence[float], cells: Sequence[int], order: float = ORDER) 
     return abs(limit(values, cells, order) - limit(values[:-1], cells[:-1], order))
 
 
-def reference(history: pd.DataFrame, kinds: Sequence[str] = REFERENCES) -> pd.DataFrame:
+def reference(history: pd.DataFrame, kinds: Sequence[str] = KINDS) -> pd.DataFrame:
     """One row per nu and record: mean of the limits [rad] and its uncertainty [rad].
 
     ``history`` has columns ``nu, method, cells, time [s], twist [rad]``; a kind counts at an

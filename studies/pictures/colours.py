@@ -17,8 +17,8 @@ from matplotlib.colors import Normalize
 from matplotlib.ticker import FixedLocator, FuncFormatter
 
 from sphsolid.errors import InputError, require
-from studies.pictures.shots import CELL, Frame, Shot
-from studies.report.percentiles import weighted_percentile
+from studies.measures.percentiles import weighted_percentile
+from studies.pictures.frame import CELL, Frame, Shot
 
 
 @dataclass(frozen=True)
@@ -42,7 +42,8 @@ LOOKS = _POINTS | {
     CELL + name: replace(look, name=f"{look.name},\ncell means") for name, look in _POINTS.items()
 }
 _ROUND = (1.0, 1.2, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0)
-_PREFIX = ((1e9, "G"), (1e6, "M"), (1e3, "k"), (1.0, ""))
+_PREFIX = ((1e9, "G"), (1e6, "M"), (1e3, "k"), (0.0, ""))
+_ARROWS = {(False, False): "neither", (True, False): "min", (False, True): "max"}
 
 
 @dataclass(frozen=True)
@@ -73,17 +74,12 @@ class ColourRange:
 
     def draw_bar(self, figure: Any, axes: Any) -> None:
         """A colour bar in ``axes``, five ticks, unit above; arrows where values go beyond."""
-        extend = {
-            (False, False): "neither",
-            (True, False): "min",
-            (False, True): "max",
-            (True, True): "both",
-        }[self.beyond]
+        extend: Any = _ARROWS.get(self.beyond, "both")
         bar = figure.colorbar(self.scale(), cax=axes, extend=extend, extendfrac=0.04)
         factor, unit = 1.0, self.look.unit
         if unit:
             size = max(abs(self.low), abs(self.high))
-            factor, prefix = next((f, p) for f, p in (*_PREFIX, (1.0, "")) if size >= f or f == 1.0)
+            factor, prefix = next((f or 1.0, p) for f, p in _PREFIX if size >= f)
             unit = prefix + unit
         bar.locator = FixedLocator(np.linspace(self.low, self.high, 5).tolist())
         bar.formatter = FuncFormatter(lambda value, _: f"{value / factor:.4g}".replace("-", "−"))
@@ -117,8 +113,7 @@ def limits(
     ends = weighted_percentile(np.abs(pooled - look.middle), volume, [percentile])
     size = _round_up(float(ends[0]))
     low = look.middle - size if look.diverging else look.middle
-    high = look.middle + size
-    slack = 1e-6 * size
+    high, slack = look.middle + size, 1e-6 * size
     beyond = (bool(pooled.min() < low - slack), bool(pooled.max() > high + slack))
     return ColourRange(field, low, high, beyond)
 

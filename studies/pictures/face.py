@@ -33,12 +33,30 @@ def draw_face(
     limits: tuple[float, float],
     colour_map: str,
 ) -> Any:
-    """Colour a face that :func:`save_face` kept in the plane of two axes; gives what has colours.
+    """Colour a face that :func:`save_face` kept, in the plane of two axes; gives what is drawn."""
+    with np.load(path) as shot:
+        drawn = draw_facets(
+            ax, shot["x"][:, list(across)], shot["facets"], shot["values"],
+            limits=limits, colour_map=colour_map,
+        )  # fmt: skip
+    names = "XYZ" if across == (0, 1) else "xyz"
+    ax.set(xlabel=f"{names[across[0]]} [m]", ylabel=f"{names[across[1]]} [m]")
+    return drawn
+
+
+def draw_facets(
+    ax: Axes,
+    plane: Array,
+    facets: NDArray[np.int64],
+    values: Array,
+    *,
+    limits: tuple[float, float],
+    colour_map: str,
+) -> Any:
+    """Colour facets ``(n, 3 or 4)`` by ``values (N,)`` at their vertices ``plane (N, 2)`` [m].
 
     Colours are linear between the vertices of a triangle; the edges of the facets are drawn.
     """
-    with np.load(path) as shot:
-        plane, facets, values = shot["x"][:, list(across)], shot["facets"], shot["values"]
     drawn = ax.tripcolor(
         Triangulation(plane[:, 0], plane[:, 1], halves(facets)),
         values, shading="gouraud", cmap=colour_map, vmin=limits[0], vmax=limits[1],
@@ -49,7 +67,6 @@ def draw_face(
             list(plane[facets]), facecolors="none", edgecolors="black", linewidths=0.15, alpha=0.5
         )
     )
-    names = "XYZ" if across == (0, 1) else "xyz"
-    ax.set(xlabel=f"{names[across[0]]} [m]", ylabel=f"{names[across[1]]} [m]", aspect="equal")
+    ax.set(aspect="equal", xlabel="X [m]", ylabel="Y [m]")
     ax.grid(visible=False)
     return drawn

@@ -6,7 +6,7 @@ measured before columns are set, so nothing overlaps however narrow the body is.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
@@ -15,17 +15,18 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from sphsolid.errors import require
+from studies.engine.plotting import style
 from studies.pictures.colours import ColourRange
-from studies.pictures.headings import Grid, headings, time_stamp
-from studies.pictures.shots import Absent, Frame, Lost, Shot
-from studies.pictures.surface import Drawing, Surface
+from studies.pictures.frame import Absent, Frame, Shot
+from studies.pictures.headings import Grid, headings, lines, time_stamp
+from studies.pictures.surface import Surface
 from studies.pictures.view import Around, View, Window, angled_view
-from studies.report.plotting import style
 
 _TEXT = 9.0
-#: Height [inch] of a line of text.
-_LINE = 0.165
-_PAD = 0.1
+#: Height [inch] of a line of text, and what is left free around a panel and over its heading.
+_LINE, _PAD, _OVER = 0.165, 0.1, 0.07
+#: Room [inch] for the bar of colours and for the bar of length.
+_RIGHT, _BOTTOM = 0.85, 0.38
 #: What a panel says whose positions are judged folded, and the plate it stands on.
 FOLDED = "folded"
 _PLATE = {"facecolor": "white", "edgecolor": "0.3", "linewidth": 0.5, "boxstyle": "round,pad=0.25"}
@@ -53,139 +54,119 @@ class Sheet:
         colours: ColourRange,
         view: View,
         window: Window,
-        drawing: Drawing,
+        drawing: Surface,
         layout: Layout,
     ) -> None:
         """Place panels, headings, colour bar and the bar of length."""
         self.colours, self.view, self.window, self.drawing = colours, view, window, drawing
-        self._scale = colours.scale()
         rows, columns = len(grid), len(grid[0])
+        words = headings(grid)
+        left = _PAD + 1.6 * _LINE * lines(words.rows)
+        top = _PAD + _LINE * lines(words.columns)
+        above = _LINE * lines(words.panels) + (_OVER if lines(words.panels) else 0.0)
+        gap = 0.08 + above
+        per_metre = min(
+            (layout.width - left - _RIGHT - columns * _PAD) / (columns * window.width),
+            (layout.height - top - _BOTTOM - above - (rows - 1) * gap) / (rows * window.height),
+        )
+        require(
+            per_metre > 0.0,
+            f"picture: {rows} x {columns} panels do not fit on {layout.width} x {layout.height} "
+            "inch; give a larger Layout or fewer panels",
+        )
+        w, h = window.width * per_metre, window.height * per_metre
         with style():
             self.figure = Figure(figsize=(1.0, 1.0), dpi=layout.dpi)
             FigureCanvasAgg(self.figure)
-            words = headings(grid)
-            left = _PAD + (_LINE * 1.6 * words.lines("rows") if words.rows else 0.0)
-            top = _PAD + _LINE * words.lines("columns")
-            above = _LINE * words.lines("panels") + (0.07 if words.every_panel()[0] else 0.0)
-            right, bottom = 0.85, 0.38
-            gap = 0.08 + above
-            widest = max((self._width(text) for text in words.over_columns()), default=0.0)
-            per_metre = min(
-                (layout.width - left - right - columns * _PAD) / (columns * window.width),
-                (layout.height - top - bottom - above - (rows - 1) * gap) / (rows * window.height),
-            )
-            require(
-                per_metre > 0.0,
-                f"picture: {rows} x {columns} panels do not fit on {layout.width} x "
-                f"{layout.height} inch; give a larger Layout or fewer panels",
-            )
-            w, h = window.width * per_metre, window.height * per_metre
             # Headings beside tall rows turn with them: a row is at least as high as its heading.
-            tallest = max((self._width(text) for text in words.rows), default=0.0)
-            slot = max(h, tallest)
-            pitch, rise = max(w, widest) + _PAD, slot + gap
+            slot = max(h, self._widest(words.rows))
+            pitch = max(w, self._widest([*words.columns, *words.panels])) + _PAD
+            rise = slot + gap
             body = (rows - 1) * rise + slot + above
-            # The bar and its title need some height, whatever the panels have.
-            total = max(top + body + bottom, 1.6)
-            full = left + columns * pitch + right
-            self.figure.set_size_inches(full, total)
-            self._size = (full, total)
-            self._axes = np.empty((rows, columns), dtype=object)
-            self._titles = np.empty((rows, columns), dtype=object)
-            for i in range(rows):
-                base = total - top - above - 0.5 * (slot + h) - i * rise
-                for j in range(columns):
-                    start = left + j * pitch + 0.5 * (pitch - w)
-                    axes = self._add(start, base, w, h)
-                    axes.set_axis_off()
-                    self._axes[i, j] = axes
-                    self._titles[i, j] = self._text(start + 0.5 * w, base + h + 0.07, va="baseline")
-            middles = [left + (j + 0.5) * pitch for j in range(columns)]
-            self._columns = [self._text(m, total - top + 0.05, va="baseline") for m in middles]
-            self._rows = [
-                self._text(0.6 * left, total - top - above - 0.5 * slot - i * rise, rotation=90)
-                for i in range(rows)
+            # The bar of colours and its title need some height, whatever the panels have.
+            self._width, self._height = (
+                left + columns * pitch + _RIGHT, max(top + body + _BOTTOM, 1.6)
+            )  # fmt: skip
+            self.figure.set_size_inches(self._width, self._height)
+            self._page = self._axes_at(0.0, 0.0, self._width, self._height)
+            self._page.set(xlim=(0.0, self._width), ylim=(0.0, self._height))
+            head = self._height - top
+            middles = [head - above - 0.5 * slot - i * rise for i in range(rows)]
+            centres = [left + (j + 0.5) * pitch for j in range(columns)]
+            self._panels = [
+                self._axes_at(x - 0.5 * w, y - 0.5 * h, w, h) for y in middles for x in centres
             ]
-            long = min(2.6, max(0.8, 0.8 * body), total - 0.85)
-            bar = self._add(full - right + 0.18, 0.5 * (total - long) - 0.14, 0.12, long)
+            self._titles = [
+                self._text(x, y + 0.5 * h + _OVER, va="baseline") for y in middles for x in centres
+            ]
+            self._columns = [self._text(x, head + 0.05, va="baseline") for x in centres]
+            self._rows = [self._text(0.6 * left, y, va="center", rotation=90) for y in middles]
+            long = min(2.6, max(0.8, 0.8 * body), self._height - 0.85)
+            bar = self._axes_at(
+                self._width - _RIGHT + 0.18, 0.5 * (self._height - long) - 0.14, 0.12, long
+            )
+            bar.set_axis_on()
             colours.draw_bar(self.figure, bar)
-            self._length_bar(left + 0.5 * (pitch - w), bottom - 0.12, w, per_metre)
+            self._length_bar(centres[0], _BOTTOM - 0.12, 0.75 * w, per_metre)
 
     def show(self, grid: Grid) -> None:
         """Draw these frames in the place of those before."""
         words = headings(grid)
         with style():
-            for axes, title, frame, text in zip(
-                self._axes.flat, self._titles.flat, flat(grid), words.every_panel(), strict=True
-            ):
+            for axes, frame in zip(self._panels, flat(grid), strict=True):
                 for artist in (*axes.collections, *axes.texts):
                     artist.remove()
-                title.set_text(text)
                 self._fill(axes, frame)
-            for text, artist in zip(words.rows, self._rows, strict=False):
-                artist.set_text(text)
-            for text, artist in zip(words.columns, self._columns, strict=False):
-                artist.set_text(text)
+            for artists, texts in (
+                (self._titles, words.panels), (self._columns, words.columns),
+                (self._rows, words.rows),
+            ):  # fmt: skip
+                for artist, text in zip(artists, texts, strict=False):
+                    artist.set_text(text)
 
     def _fill(self, axes: Any, frame: Frame) -> None:
+        middle = {"transform": axes.transAxes, "ha": "center", "va": "center", "size": 8.0}
         seen = self.view.project(frame.x) if isinstance(frame, Shot) else np.zeros((1, 3))
         across, upward = self.window.limits(seen)
         axes.set(xlim=across, ylim=upward)
         axes.set_aspect("equal", adjustable="box")
-        if isinstance(frame, Shot):
-            self.drawing.draw(axes, frame, self.view, self._scale, self.colours.field)
-            if frame.folded:
-                # Whatever the colours say: they are of a body that is none any more.
-                axes.text(0.5, 0.5, FOLDED, transform=axes.transAxes, ha="center", va="center",
-                          size=8.0, weight="bold", bbox=_PLATE)  # fmt: skip
+        if not isinstance(frame, Shot):
+            axes.text(0.5, 0.5, _why_empty(frame), color="0.35", **middle)
             return
-        axes.text(
-            0.5,
-            0.5,
-            _why_empty(frame),
-            transform=axes.transAxes,
-            ha="center",
-            va="center",
-            color="0.35",
-            size=8.0,
-        )
+        scale = self.colours.scale()
+        self.drawing.draw(axes, frame, self.view, scale, self.colours.field)
+        if frame.folded:
+            # Whatever the colours say: they are of a body that is none any more.
+            axes.text(0.5, 0.5, FOLDED, weight="bold", bbox=_PLATE, **middle)
 
-    def _add(self, x: float, y: float, w: float, h: float) -> Any:
-        full, total = self._size
-        return self.figure.add_axes((x / full, y / total, w / full, h / total))
+    def _axes_at(self, x: float, y: float, w: float, h: float) -> Any:
+        """Axes without frame, in inches from the lower left corner."""
+        width, height = self._width, self._height
+        axes = self.figure.add_axes((x / width, y / height, w / width, h / height))
+        axes.set_axis_off()
+        return axes
 
     def _text(self, x: float, y: float, **words: Any) -> Any:
-        full, total = self._size
-        given: dict[str, Any] = {"ha": "center", "va": "center", "size": _TEXT} | words
-        return self.figure.text(x / full, y / total, "", **given)
+        return self._page.text(x, y, "", ha="center", size=_TEXT, **words)
 
-    def _width(self, text: str) -> float:
-        """Width [inch] that a heading takes."""
-        artist = self.figure.text(0.0, 0.0, text, size=_TEXT)
-        extent = artist.get_window_extent(self.figure.canvas.get_renderer())  # type: ignore[attr-defined]
-        artist.remove()
-        return float(extent.width / self.figure.dpi)
+    def _widest(self, texts: Any) -> float:
+        """Width [inch] of the widest heading."""
+        widths = [0.0]
+        for text in filter(None, texts):
+            artist = self.figure.text(0.0, 0.0, text, size=_TEXT)
+            widths.append(artist.get_window_extent().width / self.figure.dpi)
+            artist.remove()
+        return max(widths)
 
-    def _length_bar(self, x: float, y: float, w: float, per_metre: float) -> None:
-        """A bar of a round length under the first panel: the scale of all of them."""
-        most = 0.75 * w / per_metre
-        power = 10.0 ** np.floor(np.log10(most))
-        length = next(m * power for m in (5.0, 2.0, 1.0) if m * power <= most * (1.0 + 1e-9))
-        full, total = self._size
-        size = length * per_metre
-        start = x + 0.5 * (w - size)
-        axes = self._add(start, y - 0.03, size, 0.06)
-        axes.set_axis_off()
-        axes.set(xlim=(0.0, 1.0), ylim=(-1.0, 1.0))
-        axes.plot([0, 0, 0, 1, 1, 1], [-1, 1, 0, 0, 1, -1], color="0.2", lw=0.8, clip_on=False)
-        self.figure.text(
-            (start + 0.5 * size) / full,
-            (y - 0.06) / total,
-            f"{length:g} m",
-            ha="center",
-            va="top",
-            size=8.0,
-        )
+    def _length_bar(self, middle: float, y: float, most: float, per_metre: float) -> None:
+        """A bar of a round length, at most ``most`` [inch]: the scale of all panels."""
+        power = 10.0 ** np.floor(np.log10(most / per_metre))
+        round_ones = (m * power for m in (5.0, 2.0, 1.0))
+        length = next(m for m in round_ones if m * per_metre <= most * (1.0 + 1e-9))
+        a, b = middle - 0.5 * length * per_metre, middle + 0.5 * length * per_metre
+        ticks = [y - 0.03, y + 0.03, y, y, y + 0.03, y - 0.03]
+        self._page.plot([a, a, a, b, b, b], ticks, color="0.2", linewidth=0.8)
+        self._page.text(middle, y - 0.06, f"{length:g} m", ha="center", va="top", size=8.0)
 
 
 #: Defaults are immutable objects, so one serves all figures.
@@ -197,8 +178,8 @@ def panel_figure(
     *,
     colours: ColourRange,
     view: View = SIDE,
-    window: Window | Around = WHOLE,
-    drawing: Drawing = SURFACE,
+    window: Around = WHOLE,
+    drawing: Surface = SURFACE,
     layout: Layout = PAGE,
 ) -> Figure:
     """Frames in rows and columns, ``grid[i][j]`` in row ``i``, column ``j``.
@@ -208,33 +189,13 @@ def panel_figure(
     Raises ``InputError`` for a grid that is empty or not rectangular, or has nothing to draw.
     """
     check_grid(grid)
-    shots = [frame for frame in flat(grid) if isinstance(frame, Shot)]
+    positions = [frame.x for frame in flat(grid) if isinstance(frame, Shot)]
     sheet = Sheet(
-        grid,
-        colours=colours,
-        view=view,
-        window=window.of([shot.x for shot in shots], view),
-        drawing=drawing,
+        grid, colours=colours, view=view, window=window.of(positions, view), drawing=drawing,
         layout=layout,
-    )
+    )  # fmt: skip
     sheet.show(grid)
     return sheet.figure
-
-
-def by_label_and_time(frames: Sequence[Frame]) -> list[list[Frame]]:
-    """A grid of a row a label, a column a time, labels in order of appearance, times ascending.
-
-    Where there is no frame the panel says so.
-    """
-    labels = list(dict.fromkeys(frame.label for frame in frames))
-    times = sorted({float(f"{frame.time:.6g}") for frame in frames})
-    known = {(frame.label, float(f"{frame.time:.6g}")): frame for frame in frames}
-    return [[known.get((a, t), Absent(label=a, time=t)) for t in times] for a in labels]
-
-
-def turned(grid: Grid) -> list[list[Frame]]:
-    """Rows as columns."""
-    return [list(column) for column in zip(*grid, strict=True)]
 
 
 def check_grid(grid: Grid) -> None:
@@ -252,7 +213,7 @@ def flat(grid: Grid) -> Iterator[Frame]:
     return (frame for row in grid for frame in row)
 
 
-def _why_empty(frame: Lost | Absent) -> str:
+def _why_empty(frame: Frame) -> str:
     if isinstance(frame, Absent):
         return frame.reason
-    return f"solution lost\nat {time_stamp(frame.lost_at, frame.lost_at)[4:]}"
+    return f"diverged\nat {time_stamp(frame.diverged_at, frame.diverged_at)[4:]}"  # type: ignore[union-attr]

@@ -1,4 +1,4 @@
-"""Drawings of a frame in two-dimensional axes: the surface of the body, or its particles.
+"""Draws the surface of a body in two-dimensional axes.
 
 The painter's way: what looks away is left out, the rest is painted from far to near.  Each
 boundary quadrilateral is first cut into small bilinear ones, so that colours run smoothly and the
@@ -7,50 +7,41 @@ order by mean depth is right also where long faces pass each other.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from matplotlib.cm import ScalarMappable
-from matplotlib.collections import EllipseCollection, PolyCollection
+from matplotlib.collections import PolyCollection
 from numpy.typing import NDArray
 
 from sphsolid.errors import require
-from studies.pictures.shots import Shot
+from studies.pictures.frame import Shot
 from studies.pictures.view import View
 
 Array = NDArray[np.float64]
 #: Towards the light, in picture coordinates (right, up, towards the viewer).
 _LIGHT = np.array([-0.45, 0.45, 0.77])
 _LINE = (0.0, 0.0, 0.0, 0.42)
-
-
-@dataclass(frozen=True)
-class Wireframe:
-    """Lines of the background mesh on the surface, ``width`` [point] wide."""
-
-    width: float = 0.25
-
-
-@dataclass(frozen=True)
-class NoWireframe:
-    """No lines: for surfaces so fine that lines would cover the colours."""
+#: Most pieces along an edge.
+FINEST = 8
 
 
 @dataclass(frozen=True)
 class Surface:
     """The boundary of the background mesh, coloured by the values at its vertices.
 
-    ``detail``: about how many pieces the boundary is cut into, in at most 8 x 8 a quadrilateral.
-    ``shading`` from 0 (the colours of the bar, everywhere) to 1: how much darker a face is that
-    looks away from the light.
+    ``lines`` [point]: width of the lines of the mesh, 0 for none.  ``detail``: about how many
+    pieces the boundary is cut into.  ``shading`` from 0 (the colours of the bar, everywhere) to 1:
+    how much darker a face is that looks away from the light.
     """
 
-    lines: Wireframe | NoWireframe = field(default_factory=Wireframe)
+    lines: float = 0.25
     detail: int = 20000
     shading: float = 0.22
 
     def __post_init__(self) -> None:
+        require(self.lines >= 0.0, f"Surface: lines = {self.lines} points must not be negative")
         require(self.detail >= 1, f"Surface: detail = {self.detail} must be at least 1")
         require(
             0.0 <= self.shading <= 1.0, f"Surface: shading = {self.shading} is outside [0, 1]"
@@ -58,7 +49,7 @@ class Surface:
 
     def draw(self, axes: Any, shot: Shot, view: View, scale: ScalarMappable, name: str) -> None:
         """Add the surface, coloured by field ``name``, to ``axes`` (in metres)."""
-        pieces = int(np.clip(np.sqrt(self.detail / max(1, len(shot.quads))), 1, 8))
+        pieces = int(np.clip(np.sqrt(self.detail / max(1, len(shot.quads))), 1, FINEST))
         faces = seen_faces(shot, view, shot.value(name).astype(float), pieces=pieces)
         colours = scale.to_rgba(faces.values)
         light = np.clip(faces.normals @ (_LIGHT / np.linalg.norm(_LIGHT)), 0.0, 1.0)
@@ -66,17 +57,16 @@ class Surface:
         polygons, depth = faces.corners[..., :2], faces.corners[..., 2].mean(axis=1)
         # A hairline of its own colour closes the gaps that antialiasing leaves between faces.
         borders, widths = colours, np.full(len(polygons), 0.3)
-        if isinstance(self.lines, Wireframe):
+        if self.lines > 0.0:
             lines = _lines(faces.loops, pieces)
             # A line flattened to a polygon, and just nearer than the faces it belongs to.
-            edges = lines[:, [0, 1, 1, 0]]
+            polygons = np.concatenate([polygons, lines[:, [0, 1, 1, 0], :2]])
             reach = np.linalg.norm(lines[:, 1] - lines[:, 0], axis=1)
-            polygons = np.concatenate([polygons, edges[..., :2]])
             depth = np.concatenate([depth, lines[..., 2].mean(axis=1) + 0.6 * reach])
             none = np.zeros((len(lines), 4))
             colours = np.concatenate([colours, none])
             borders = np.concatenate([borders, np.broadcast_to(_LINE, none.shape)])
-            widths = np.concatenate([widths, np.full(len(lines), self.lines.width)])
+            widths = np.concatenate([widths, np.full(len(lines), self.lines)])
         order = np.argsort(depth, kind="stable")
         axes.add_collection(
             PolyCollection(
@@ -93,69 +83,19 @@ class Surface:
         )
 
 
-@dataclass(frozen=True)
-class Particles:
-    """The particles as discs ``size`` spacings wide, those nearer to the viewer on top.
-
-    ``outline`` draws the lines of the surface that faces the viewer underneath.
-    """
-
-    size: float = 0.85
-    outline: Wireframe | NoWireframe = field(default_factory=NoWireframe)
-
-    def __post_init__(self) -> None:
-        require(self.size > 0.0, f"Particles: size = {self.size} spacings must be positive")
-
-    def draw(self, axes: Any, shot: Shot, view: View, scale: ScalarMappable, name: str) -> None:
-        """Add the particles, coloured by field ``name``, to ``axes`` (in metres)."""
-        seen = view.project(shot.x)
-        order = np.argsort(seen[:, 2], kind="stable")
-        if isinstance(self.outline, Wireframe):
-            lines = _lines(_facing(view.project(shot.x[shot.quads])), 1)[..., :2]
-            axes.add_collection(
-                PolyCollection(
-                    list(lines),
-                    edgecolors="0.6",
-                    facecolors="none",
-                    linewidths=self.outline.width,
-                ),
-                autolim=False,
-            )
-        width = np.full(len(seen), self.size * shot.spacing)
-        axes.add_collection(
-            EllipseCollection(
-                width,
-                width,
-                np.zeros(len(seen)),
-                units="xy",
-                offsets=seen[order, :2],
-                offset_transform=axes.transData,
-                facecolors=scale.to_rgba(shot.value(name)[order].astype(float)),
-                edgecolors=(0.0, 0.0, 0.0, 0.35),
-                linewidths=0.15,
-                clip_on=False,
-                rasterized=True,
-            ),
-            autolim=False,
-        )
-
-
-#: How a frame is drawn.
-Drawing = Surface | Particles
-
-
 @dataclass(frozen=True, eq=False)
 class SeenFaces:
     """Pieces of the surface that face the viewer, in picture coordinates (right, up, depth) [m].
 
     ``corners (n, 4, 3)``, ``values (n,)`` at their centres, unit ``normals (n, 3)``; ``loops
-    (m, 4, 3)`` the whole quadrilaterals of which some piece is seen.
+    (m, 4, 3)`` the whole quadrilaterals of which some piece is seen, ``seen (f,)`` which they are.
     """
 
     corners: Array
     values: Array
     normals: Array
     loops: Array
+    seen: NDArray[np.bool_]
 
 
 def seen_faces(shot: Shot, view: View, values: Array, *, pieces: int = 1) -> SeenFaces:
@@ -176,11 +116,14 @@ def seen_faces(shot: Shot, view: View, values: Array, *, pieces: int = 1) -> See
     normals /= np.maximum(np.linalg.norm(normals, axis=-1, keepdims=True), 1e-300)
     # Round-off must not decide about faces that are seen edge on.
     facing = normals[..., 2] > 1e-6
+    seen = np.zeros(len(shot.quads), dtype=bool)
+    seen[finite] = facing.any(axis=(1, 2))
     return SeenFaces(
         corners=corners[facing],
         values=centres[facing],
         normals=normals[facing],
         loops=whole[facing.any(axis=(1, 2))],
+        seen=seen,
     )
 
 
@@ -191,15 +134,11 @@ def _bilinear(quads: Array, at: Array) -> Array:
     return np.einsum("cuv,mck->muvk", shapes, quads)
 
 
-def _facing(loops: Array) -> Array:
-    """Quadrilaterals that are counter-clockwise as seen."""
-    a, b = loops[:, 2] - loops[:, 0], loops[:, 3] - loops[:, 1]
-    return loops[a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0] > 0.0]
-
-
 def _lines(loops: Array, pieces: int) -> Array:
     """Edges of quadrilaterals ``(m, 4, 3)``, each once, cut into pieces: ``(n, 2, 3)``."""
     ends = np.stack([loops, np.roll(loops, -1, axis=1)], axis=2).reshape(-1, 2, 3)
+    # A triangle is a quadrilateral with an edge of no length.
+    ends = ends[(ends[:, 0] != ends[:, 1]).any(axis=1)]
     # The same edge of two faces has the same ends in the other order.
     middle = np.round(ends.sum(axis=1), 9)
     ends = ends[np.unique(middle, axis=0, return_index=True)[1]]

@@ -1,1 +1,371 @@
-"""Plate with a hole from a mesh file: stress concentration against finite elements."""
+"""Stress concentration at a hole, from mesh files: ``python -m studies.plate_with_hole``.
+
+A quarter plate read from Gmsh files is pulled slowly, by particles on hexahedra and on tetrahedra
+and by B-bar finite elements on the same hexahedra.
+"""
+
+from __future__ import annotations
+
+import argparse
+import time
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
+
+from sphsolid import Consistent
+from sphsolid.defaults import default_operator
+from sphsolid.errors import InputError
+from sphsolid.geometry import Mesh, MeshFile
+from sphsolid.geometry.body import AS_MESHED
+from sphsolid.geometry.cell_shape import HEXAHEDRON
+from sphsolid.scenes import gross_concentration, plate_with_hole
+from studies.engine.plotting import outside_legend, panels
+from studies.engine.study import Case, Claim, Results, Row, Study, Tables
+from studies.measures import folding
+from studies.measures.tables import select
+from studies.meshes import MESHES
+from studies.methods import B_BAR, PACKAGE, Method
+from studies.pictures.face import draw_facets
+from studies.plate_with_hole.plane import plane_stress_over_pull
+from studies.plate_with_hole.recovery import PATCH, at_cells, fitted, hoop
+
+Array = NDArray[np.float64]
+CONSISTENT = PACKAGE.but(operator=Consistent(), marker="s")
+#: Methods and meshes; the first run is the one that others are compared with.
+RUNS = (
+    (B_BAR, "hex"), (PACKAGE, "hex"), (PACKAGE, "tet"), (CONSISTENT, "hex"), (CONSISTENT, "tet"),
+)  # fmt: skip
+WORDS = {"hex": "hexahedra", "tet": "tetrahedra"}
+STRESS, RADIUS, HALF_WIDTH = 2.1e7, 0.1, 0.5
+#: Instants of the hold whose stresses are averaged.
+INSTANTS = 16
+#: Angles [deg] from the X axis at which the edge of the hole is asked for its hoop stress.
+ANGLES = np.linspace(0.0, 90.0, 19)
+#: Elements along and around of the plane reference.
+PLANE_CELLS = 48
+#: Allowed distance from B-bar, in each way of comparing.
+TOLERANCE = 0.03
+COMPARED = {
+    "against_fit": "edge, both by the same fit",
+    "against_particles": "edge, particles against the elements' fit",
+    "against_highest": "highest of all particles on the hole",
+    "against_ring": "middles of the cells at the hole, largest",
+}
+#: Hoop stress over the pull at the ends of the colours.
+COLOURS = (-1.5, 3.5)
+_RUN = ["key", "method", "mesh", "thickness"]
+_VALUES = [
+    *_RUN, "particles", "edge_particles", "edge_spread", "edge_fit", "highest_particles",
+    "highest_fit", "unrest", "kinetic_share", *folding.COLUMNS, "steps", "setup_s", "wall_s",
+]  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Held:
+    """Mean of ``P / S (n, 3, 3)`` over the hold where the law is evaluated, and of what run."""
+
+    stress: Array
+    X: Array
+    mesh: Mesh
+    facts: Row
+
+    @property
+    def at_particles(self) -> bool:
+        """Whether stress is known at the vertices, not in the middle of cells."""
+        return len(self.X) == len(self.mesh.vertices)
+
+
+def mesh_of(name: str) -> MeshFile:
+    """The plate of ``hex`` or ``tet``."""
+    return MeshFile(MESHES / f"plate_with_hole_{name}.msh")
+
+
+def cases(options: argparse.Namespace) -> Sequence[Case]:
+    """All in plane strain, the default operator with a free face too; the quick form pulls faster.
+
+    It has plane strain and the default operator only.
+    """
+    listed = []
+    for thickness in ("plane_strain",) if options.quick else ("plane_strain", "free"):
+        for method, mesh in RUNS[:3] if options.quick or thickness == "free" else RUNS:
+            pull = (1.5, 0.75) if options.quick else (4.0, 1.0)
+            listed.append(_case(method, mesh, thickness, *pull))
+    return listed
+
+
+def _case(method: Method, mesh: str, thickness: str, rise: float, hold: float) -> Case:
+    arguments = {
+        "method": method, "mesh": mesh, "thickness": thickness, "rise": rise, "hold": hold,
+    }  # fmt: skip
+    cost = 1.0 if method == B_BAR else 8.0
+    return Case(f"{method.name}, {mesh}, {thickness}", run_plate, arguments, cost)
+
+
+def run_plate(
+    *, method: Method, mesh: str, thickness: str, rise: float, hold: float
+) -> list[Row]:
+    """A row ``kind = value``, one ``ligament`` per place on it, one ``ring`` per cell at the hole.
+
+    One ``front`` a vertex of the plate's front is what a picture needs.
+    """
+    held = pull(method, mesh, thickness=thickness, rise=rise, hold=hold)
+    names = (f"{method.name}, {mesh}, {thickness}", method.name, mesh, thickness)
+    common = dict(zip(_RUN, names, strict=True))
+    return [common | row for row in (*measured(held), *_front(held))]
+
+
+def pull(method: Method, mesh: str, *, thickness: str, rise: float, hold: float) -> Held:
+    """The run itself."""
+    scene = plate_with_hole(
+        body=mesh_of(mesh),
+        thickness=thickness,  # type: ignore[arg-type]
+        stress=STRESS,
+        radius=RADIUS,
+        half_width=HALF_WIDTH,
+        rise=rise,
+        hold=hold,
+    )
+    started = time.perf_counter()
+    sim = method.simulation(scene, spacing=AS_MESHED)
+    ready = time.perf_counter()
+    length = scene.end_time * hold / (rise + hold)
+    instants = []
+    for n in range(INSTANTS):
+        sim.run(until=scene.end_time - length * (1.0 - (n + 1) / INSTANTS))
+        instants.append(sim.snapshot().P / STRESS)
+    last = sim.snapshot()
+    peaks = [float(stress[:, 1, 1].max()) for stress in instants]
+    facts = {
+        "particles": len(last.X),
+        "steps": sim.step,
+        "setup_s": ready - started,
+        "wall_s": time.perf_counter() - ready,
+        "kinetic_share": last.kinetic_energy / last.strain_energy,
+        "unrest": (max(peaks) - min(peaks)) / float(np.mean(peaks)),
+        **folding.folding(sim),
+    }
+    return Held(np.mean(instants, axis=0), last.stress_X, last.mesh, facts)
+
+
+def measured(held: Held) -> list[Row]:
+    """The concentration in every way, the ligament and the ring of cells at the hole."""
+    cells = held.mesh.cells
+    centre = held.mesh.vertices[cells].mean(axis=1)
+    in_cells = at_cells(held.stress, cells) if held.at_particles else held.stress
+    angle = np.radians(ANGLES)
+    edge = RADIUS * np.stack([np.cos(angle), np.sin(angle)], axis=1)
+    around = hoop(edge, fitted(centre, in_cells, edge))
+    value: Row = {
+        "kind": "value", "edge_fit": float(around[0]), "highest_fit": float(around.max()),
+        "edge_particles": np.nan, "edge_spread": np.nan, "highest_particles": np.nan,
+    }  # fmt: skip
+    if held.at_particles:
+        on_hole = held.mesh.face_particles("hole")
+        values = hoop(held.X[on_hole], held.stress[on_hole])
+        at_side = values[np.isclose(held.X[on_hole, 1], 0.0, atol=1e-9)]
+        value |= {
+            "edge_particles": float(at_side.mean()), "edge_spread": float(np.ptp(at_side)),
+            "highest_particles": float(values.max()),
+        }  # fmt: skip
+    rows = [value | held.facts, *_ligament(held, centre, in_cells)]
+    if held.mesh.shape is HEXAHEDRON:
+        rows += _ring(held.mesh, centre, in_cells)
+    return rows
+
+
+def _ligament(held: Held, centre: Array, in_cells: Array) -> list[Row]:
+    """Means over the thickness of what particles have, fitted for the finite elements."""
+    vertices = held.mesh.vertices
+    on_line = held.mesh.face_particles("symmetry_y")
+    place, number = np.unique(np.round(vertices[on_line, 0], 9), return_inverse=True)
+    if held.at_particles:
+        count = np.bincount(number)
+        stress = np.bincount(number, weights=held.stress[on_line, 1, 1]) / count
+    else:
+        at = np.stack([place, np.zeros_like(place)], axis=1)
+        stress = fitted(centre, in_cells, at)[:, 1, 1]
+    return _curve("ligament", X=place, stress=stress)
+
+
+def _ring(mesh: Mesh, centre: Array, in_cells: Array) -> list[Row]:
+    """Hoop stress in the middle of the cells at the hole, a mean over the layers."""
+    beside = np.flatnonzero(np.isin(mesh.cells, mesh.face_particles("hole")).any(axis=1))
+    values = hoop(centre[beside], in_cells[beside])
+    angle = np.degrees(np.arctan2(centre[beside, 1], centre[beside, 0]))
+    place, number = np.unique(np.round(angle, 6), return_inverse=True)
+    mean = np.bincount(number, weights=values) / np.bincount(number)
+    return _curve("ring", angle=place, stress=mean)
+
+
+def _front(held: Held) -> list[Row]:
+    """Hoop stress at the vertices of the front, in their order, fitted for finite elements."""
+    X, front = held.mesh.vertices, held.mesh.face_particles("front")
+    stress = held.stress[front] if held.at_particles else fitted(held.X, held.stress, X[front, :2])
+    return _curve("front", vertex=front, stress=hoop(X[front], stress))
+
+
+def _curve(kind: str, **columns: NDArray[Any]) -> list[Row]:
+    frame = pd.DataFrame({"kind": kind, **columns})
+    return [{str(name): value for name, value in row.items()} for row in frame.to_dict("records")]
+
+
+def warm_up(options: argparse.Namespace) -> Sequence[Case]:
+    """Short pulls; they also leave the operators in the cache."""
+    return [_case(method, mesh, "plane_strain", 0.01, 0.01) for method, mesh in RUNS[:3]]
+
+
+def tables(rows: list[Row]) -> Tables:
+    """``table``: a row a run; ``ligament``, ``ring``, ``front``: curves; ``plane``: the reference.
+
+    ``against_*`` are relative differences from B-bar of the same reading of the thickness.
+    """
+
+    def of(kind: str, *columns: str) -> pd.DataFrame:
+        return pd.DataFrame([row for row in rows if row["kind"] == kind], columns=list(columns))
+
+    ring = of("ring", "key", "angle", "stress")
+    X, stress = plane_stress_over_pull(
+        cells=PLANE_CELLS, radius=RADIUS, half_width=HALF_WIDTH
+    )
+    on_line = np.flatnonzero(np.isclose(X[:, 1], 0.0, atol=1e-9))
+    on_line = on_line[np.argsort(X[on_line, 0])]
+    plane = pd.DataFrame({"X": X[on_line, 0], "stress": stress[on_line, 1, 1]})
+    strip = gross_concentration(radius=RADIUS, half_width=HALF_WIDTH)
+    gross = np.array([3.0, strip, plane["stress"].iloc[0]])
+    net = gross * np.array([1.0, *2 * [1.0 - RADIUS / HALF_WIDTH]])
+    what = ["infinite plate", "long strip", "this plate, plane reference"]
+    return {
+        "table": _compared(of("value", *_VALUES), ring),
+        "ligament": of("ligament", "key", "X", "stress"),
+        "ring": ring,
+        "front": of("front", "key", "vertex", "stress"),
+        "plane": plane,
+        "known": pd.DataFrame({"what": what, "concentration": gross, "net": net}),
+    }
+
+
+def _compared(value: pd.DataFrame, ring: pd.DataFrame) -> pd.DataFrame:
+    table = value.assign(**dict.fromkeys(COMPARED, np.nan))
+    for _, runs in value.groupby("thickness"):
+        elements = select(runs, method=B_BAR.name)
+        if len(elements) == 0:
+            continue
+        reference = elements.iloc[0]
+        for index, run in runs[runs["method"] != B_BAR.name].iterrows():
+            over = {
+                "against_fit": run["edge_fit"] / reference["edge_fit"],
+                "against_particles": run["edge_particles"] / reference["edge_fit"],
+                "against_highest": run["highest_particles"] / reference["highest_fit"],
+                "against_ring": 1.0 + _apart(ring, run["key"], reference["key"]),
+            }
+            for name, ratio in over.items():
+                table.loc[index, name] = ratio - 1.0
+    return table
+
+
+def _apart(ring: pd.DataFrame, key: str, reference: str) -> float:
+    """Largest difference in the ring over the largest value, or nan without a common ring."""
+    by_angle = ring.sort_values("angle")
+    a, b = (select(by_angle, key=name)["stress"].to_numpy() for name in (key, reference))
+    if len(a) == 0 or len(a) != len(b):
+        return float("nan")
+    return float(np.abs(a - b).max() / np.abs(b).max())
+
+
+def claims(tables: Tables) -> list[Claim]:
+    """One claim per run and way of comparing; what was not compared has none."""
+    return [
+        Claim(
+            what, abs(run[column]), "<=", TOLERANCE, where=run["key"], sound=not run["folded"],
+            said=f"{run[column]:+.2%}", format=".0%",
+        )
+        for run in tables["table"].to_dict("records") for column, what in COMPARED.items()
+        if run["method"] != B_BAR.name and np.isfinite(run[column])
+    ]  # fmt: skip
+
+
+def plate_figure(results: Results) -> Figure:
+    """Front of the plate with the hoop stress, plane strain."""
+    figure, axes = panels(1, 3, width=2.9, height=2.7)
+    drawn: Any = None
+    for ax, (method, mesh) in zip(axes.flat, RUNS[:3], strict=True):
+        ax.set_title(f"{method.name}, {WORDS[mesh]}")
+        run = select(results.tables["front"], key=f"{method.name}, {mesh}, plane_strain")
+        if len(run) == 0:
+            ax.text(0.5, 0.5, "not run", ha="center", va="center")
+            continue
+        face = mesh_of(mesh).mesh(AS_MESHED)
+        used, number = np.unique(face.face("front"), return_inverse=True)
+        drawn = draw_facets(
+            ax, face.vertices[used, :2], number.reshape(face.face("front").shape),
+            run["stress"].to_numpy(), limits=COLOURS, colour_map="viridis",
+        )  # fmt: skip
+    if drawn is None:
+        raise InputError("front.csv is empty: run python -m studies.plate_with_hole")
+    bar = figure.colorbar(drawn, ax=axes.ravel().tolist(), shrink=0.8)
+    bar.set_label("hoop stress / pull [-]")
+    return figure
+
+
+def ligament_figure(results: Results) -> Figure:
+    """Ligament (left), near the hole (middle) and ring of cells at the hole (right)."""
+    ligament, ring, plane = (results.tables[name] for name in ("ligament", "ring", "plane"))
+    figure, axes = panels(1, 3, width=3.2, height=2.9)
+    for ax in axes.flat[:2]:
+        ax.plot(plane["X"], plane["stress"], color="0.6", linewidth=2.5, label="plane reference")
+    for method, mesh in RUNS:
+        key, label = f"{method.name}, {mesh}, plane_strain", f"{method.name}, {WORDS[mesh]}"
+        look = method.look | {"markersize": 3.2, "linewidth": 0.9, "label": label}
+        if method == CONSISTENT:
+            look["markerfacecolor"] = "white"
+        if mesh == "tet":
+            # Particles on the line of a cloud of tetrahedra are at different heights: no line.
+            look |= {"linestyle": "none", "marker": "v" if method == CONSISTENT else "^"}
+        mine, around = select(ligament, key=key), select(ring, key=key)
+        for ax in axes.flat[:2] if len(mine) else ():
+            ax.plot(mine["X"], mine["stress"], **look)
+        if len(around):
+            axes[0, 2].plot(around["angle"], around["stress"], **look)
+    y_label = "stress along Y / pull [-]"
+    axes[0, 0].set(title="ligament, Y = 0", xlabel="X [m]", ylabel=y_label)
+    axes[0, 1].set(title="ligament beside the hole", xlabel="X [m]", ylabel=y_label)
+    axes[0, 1].set(xlim=(RADIUS - 0.002, 1.5 * RADIUS), ylim=(1.2, 3.7))
+    axes[0, 2].set(
+        title="middles of the cells at the hole", xlabel="angle from the X axis [deg]",
+        ylabel="hoop stress / pull [-]",
+    )  # fmt: skip
+    outside_legend(figure, axes.flat, columns=3)
+    return figure
+
+
+def words(tables: Tables) -> Mapping[str, Any]:
+    """The scene, and how far the default operator is from the elements."""
+    mine = [claim for claim in claims(tables) if claim.where.startswith(f"{PACKAGE.name}, ")]
+    mine = [claim for claim in mine if CONSISTENT.name not in claim.where]
+    return {
+        "counted": len(mine),
+        "met": sum(claim.verdict == "met" for claim in mine),
+        "worst": max((float(claim.measured) for claim in mine), default=np.nan),  # type: ignore[arg-type]
+        "operator": default_operator(mesh_of("hex").mesh(AS_MESHED)).name,
+        "half_width": HALF_WIDTH, "radius": RADIUS, "stress": STRESS, "instants": INSTANTS,
+        "tolerance": TOLERANCE, "patch": PATCH,
+    }  # fmt: skip
+
+
+STUDY = Study(
+    name="plate_with_hole",
+    cases=cases,
+    tables=tables,
+    claims=claims,
+    figures={"plate": plate_figure, "ligament": ligament_figure},
+    words=words,
+    text=Path(__file__).with_name("plate_with_hole.md"),
+    warm_up=warm_up,
+    description="Stress concentration at a hole, particles on mesh files against B-bar elements.",
+)

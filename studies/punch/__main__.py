@@ -1,11 +1,7 @@
 """``python -m studies.punch``."""
 
-from __future__ import annotations
-
-import sys
-
-from studies.harness.front import main
-from studies.punch.study import STUDY
+from studies.engine.study import run_study
+from studies.punch import STUDY
 
 if __name__ == "__main__":
-    sys.exit(main(STUDY))
+    run_study(STUDY)

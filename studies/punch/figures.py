@@ -1,177 +1,208 @@
-"""Curves of the punch test: pressure noise, top face, its height over time and over spacing."""
+"""Curves and pictures of the punch test, the latter after Figs. 10 to 12 of the paper."""
 
 from __future__ import annotations
 
-from pathlib import Path
+from collections.abc import Callable, Iterator
+from functools import partial
 from typing import Any
 
 import numpy as np
-import pandas as pd
 from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 
-from studies.convergence.figures import select
-from studies.harness.results import Results
-from studies.punch.cases import COMPARED
-from studies.punch.methods import (
-    DISPLACEMENT,
-    FEM,
+from studies.engine.plotting import outside_legend, panels
+from studies.engine.results import Results, Tables
+from studies.measures.tables import select
+from studies.methods import B_BAR, PACKAGE, Method
+from studies.pictures.colours import ColourRange
+from studies.pictures.frame import CELL, Absent
+from studies.pictures.panels import Layout
+from studies.pictures.picture import Panel, Picture, Plan
+from studies.pictures.view import flat_view
+from studies.punch.claims import INDEPENDENT, TOLERANCE
+from studies.punch.runs import (
+    CLASSICAL,
+    COMPARED,
+    CONSISTENT,
+    DEFAULTS,
     GALERKIN,
     H1,
     H6,
     H6_NO_TAU_P,
-    TAU_P,
-    TOOLKIT,
+    HELD,
+    INITIAL,
+    LITERAL,
+    READINGS,
     WIDE,
     WIDE_NO_TAU_P,
-    toolkit,
-    whole_tau_F,
-    without_tau_F,
+    WITH_TAU_F,
+    WITHOUT_TAU_F,
+    Reading,
 )
-from studies.punch.pictures import READINGS, one_run
-from studies.report.plotting import (
-    BLACK,
-    BLUE,
-    GREEN,
-    ORANGE,
-    PURPLE,
-    SKY,
-    VERMILION,
-    outside_legend,
-    panels,
-    save_figure,
-)
+from studies.punch.tables import elements, one_run
 
-#: Heights of the top face at 15 ms [m] by an independent hexahedral finite element code.
-INDEPENDENT = {"initial": (0.455, 0.541), "held": (0.350, 0.744)}
-LOOKS: dict[str, dict[str, Any]] = {
-    FEM: {"color": BLACK, "linestyle": "-."},
-    # Displacement SPH and {p,F,H,J} without SUPG are the same to round-off: one wide, one thin.
-    DISPLACEMENT: {"color": ORANGE, "linewidth": 2.8, "alpha": 0.6},
-    GALERKIN: {"color": PURPLE, "linewidth": 0.9},
-    H6_NO_TAU_P: {"color": SKY},
-    H6: {"color": GREEN, "linestyle": "--"},
-    H1: {"color": BLUE},
-    TOOLKIT: {"color": VERMILION},
-}
+#: Ends of the colour bar [Pa], the same in every picture, so that they can be compared.
+PRESSURE = 4.0e6
+EARLY, LATE = (0.005, 0.01, COMPARED), (0.005, 0.01, 0.015, 0.02, 0.025, 0.03)
+#: (a) to (d) of Fig. 10: particles alone, whose own values are shown.
+FIG_10 = (CLASSICAL, GALERKIN, H6_NO_TAU_P, H6)
+#: Methods whose frames are kept.
+PICTURED = (*FIG_10, H1, B_BAR)
 
 
-def noise_figure(results: Results, stem: Path) -> Path:
-    """Noise over ``tau_p`` (above) and over time (below), both readings; gives ``stem``."""
-    table, history = results.tables["table"], results.tables["history"]
+def noise_figure(results: Results) -> Figure:
+    """Noise over ``tau_p`` (above) and over time (below), both readings."""
+    table = results.tables["table"]
     figure, axes = panels(2, 2, width=3.6, height=2.7)
-    for column, press in enumerate(READINGS):
-        _noise_over_tau_p(axes[0, column], table, press)
-        ax = axes[1, column]
-        for method in (DISPLACEMENT, GALERKIN, H6_NO_TAU_P, H6, H1, TOOLKIT, FEM):
-            _over_time(ax, table, history, press, method, "noise", 1.0)
-        ax.set(title=f"{press}: over time", xlabel="time [ms]", ylabel="pressure noise [-]")
-        ax.set_ylim(bottom=0.0)
-    outside_legend(figure, axes.flat, columns=3)
-    return save_figure(figure, stem)
+    for column, reading in enumerate(READINGS):
+        above, below = axes[:, column]
+        for label, members, operator, look in _families():
+            found = [(tau, one_run(table, reading, m, operator)) for tau, m in members.items()]
+            points = [(tau, run["noise_mean"].iloc[0]) for tau, run in found if len(run)]
+            if points:
+                above.plot(*zip(*points, strict=True), label=label, **look)
+        above.set(title=f"{reading.name}: mean of 0.5 to 15 ms", xlabel="τ_p / dt [-]")
+        for method in (CLASSICAL, GALERKIN, H6_NO_TAU_P, H6, H1, PACKAGE, B_BAR):
+            _over_time(below, results, reading, method, "noise")
+        below.set(title=f"{reading.name}: over time", xlabel="time [ms]")
+        for ax in (above, below):
+            ax.set(ylabel="pressure noise [-]")
+            ax.set_ylim(bottom=0.0)
+    outside_legend(figure, axes.flat, columns=2)
+    return figure
 
 
-def _noise_over_tau_p(ax: Axes, table: pd.DataFrame, press: str) -> None:
-    families: list[tuple[str, list[tuple[float, str]], str, dict[str, Any]]] = [
-        ("{p,F,J} by default", [(t, toolkit(t)) for t in TAU_P], "Consistent",
-         {"color": VERMILION, "marker": "o"}),
-        ("{p,F,J} H1, τ_F = dt", [(t, whole_tau_F(t)) for t in TAU_P], "Consistent",
-         {"color": BLUE, "marker": "^"}),
-        ("{p,F,J} H1, τ_F = 0", [(t, without_tau_F(t)) for t in TAU_P], "Consistent",
-         {"color": BLUE, "marker": "^", "linestyle": "--", "markerfacecolor": "white"}),
-        ("{p,F,J} H1, τ_F = dt, Literal", [(t, whole_tau_F(t)) for t in TAU_P], "Literal",
-         {"color": BLACK, "marker": "^", "linestyle": ":"}),
-        ("{p,F,H,J} H6, τ_F = 0.5 dt", [(0.0, H6_NO_TAU_P), (0.1, H6)], "Consistent",
-         {"color": GREEN, "marker": "s"}),
-        ("the same, support 2 dx", [(0.0, WIDE_NO_TAU_P), (0.1, WIDE)], "Consistent",
-         {"color": GREEN, "marker": "s", "linestyle": "--", "markerfacecolor": "white"}),
-    ]  # fmt: skip
-    for label, members, operator, look in families:
-        found = [(tau, one_run(table, press, method, operator)) for tau, method in members]
-        points = [(tau, run["noise_mean"].iloc[0]) for tau, run in found if len(run)]
-        if points:
-            ax.plot(*zip(*points, strict=True), label=label, **look)
-    ax.set(
-        title=f"{press}: mean of 0.5 to 15 ms", xlabel="τ_p / dt [-]", ylabel="pressure noise [-]"
-    )
-    ax.set_ylim(bottom=0.0)
+def _families() -> Iterator[tuple[str, dict[float, Method], Any, dict[str, Any]]]:
+    open_ones = {"markerfacecolor": "white"}
+    paper = "paper, {p,F,J} H1"
+    yield PACKAGE.name, DEFAULTS, CONSISTENT, PACKAGE.look
+    yield f"{paper}, τ_F = dt", WITH_TAU_F, CONSISTENT, H1.look
+    yield f"{paper}, τ_F = dt, as printed", WITH_TAU_F, LITERAL, H1.look | {"linestyle": ":"}
+    yield f"{paper}, τ_F = 0", WITHOUT_TAU_F, CONSISTENT, H1.look | open_ones
+    yield H6.name, {0.0: H6_NO_TAU_P, 0.1: H6}, CONSISTENT, H6.look
+    yield WIDE.name, {0.0: WIDE_NO_TAU_P, 0.1: WIDE}, CONSISTENT, H6.look | open_ones
 
 
 def _over_time(
-    ax: Axes,
-    table: pd.DataFrame,
-    history: pd.DataFrame,
-    press: str,
-    method: str,
-    column: str,
-    factor: float,
-    level: int = 0,
-    **look: Any,
+    ax: Axes, results: Results, reading: Reading, method: Method, column: str
 ) -> None:
-    run = one_run(table, press, method, level=level)
-    if len(run):
-        mine = history[history["key"] == run["key"].iloc[0]]
-        # At the start there is no pressure yet, and noise is a ratio of nothings.
-        mine = mine[mine["time [s]"] > 0.0] if column == "noise" else mine
-        label = method if level == 0 else f"{method}, {run['lattice'].iloc[0]}"
-        ax.plot(1e3 * mine["time [s]"], factor * mine[column], label=label, **LOOKS[method] | look)
+    run = one_run(results.tables["table"], reading, method)
+    if len(run) == 0:
+        return
+    mine = select(results.tables["history"], key=run["key"].iloc[0])
+    # At the start there is no pressure yet, and noise is a ratio of nothings.
+    mine = mine[mine["time [s]"] > 0.0] if column == "noise" else mine
+    look = method.look | {"markevery": 6, "markersize": 3.0}
+    if method == GALERKIN:
+        # The same as displacement SPH but for round-off: both must be seen.
+        look |= {"linestyle": "none"}
+    ax.plot(1e3 * mine["time [s]"], mine[column], label=method.name, **look)
 
 
-def profile_figure(results: Results, stem: Path) -> Path:
+def profile_figure(results: Results) -> Figure:
     """The edge of the top face at 15 ms, and where it is against the finest elements."""
     table, profile = results.tables["table"], results.tables["profile"]
     at = profile[np.isclose(profile["time"], COMPARED)]
     figure, axes = panels(2, 2, width=3.6, height=2.6)
-    for column, press in enumerate(READINGS):
-        elements = select(table, press=press, method=FEM)
-        if len(elements) == 0:
+    for column, reading in enumerate(READINGS):
+        solids = elements(table, reading)
+        if len(solids) == 0:
             continue
-        finest = elements.loc[elements["cells"].idxmax()]
-        reference = at[at["key"] == finest["key"]].sort_values("X")
+        reference = select(at, key=solids["key"].iloc[-1]).sort_values("X")
         above, below = axes[:, column]
-        for edge in INDEPENDENT[press]:
+        for edge in INDEPENDENT[reading.name]:
             above.axhline(edge, color="0.6", linewidth=0.8, linestyle="--")
-        for method in (DISPLACEMENT, H6, H1, TOOLKIT, FEM):
-            run = one_run(table, press, method)
-            mine = at[at["key"] == run["key"].iloc[0]].sort_values("X") if len(run) else at[:0]
+        for method in (CLASSICAL, H6, H1, PACKAGE, B_BAR):
+            run = one_run(table, reading, method)
+            mine = select(at, key=run["key"].iloc[0]).sort_values("X") if len(run) else at[:0]
             if len(mine):
-                look = LOOKS[method] | {"marker": "o", "markersize": 2.6}
-                above.plot(mine["x"], mine["z"], label=method, **look)
+                look = method.look | {"markersize": 2.6}
+                above.plot(mine["x"], mine["z"], label=method.name, **look)
                 there = np.interp(mine["X"], reference["X"], reference["z"])
-                below.plot(mine["X"], 1e3 * (mine["z"] - there), label=method, **look)
+                below.plot(mine["X"], 1e3 * (mine["z"] - there), label=method.name, **look)
         above.plot(
             reference["x"], reference["z"], color="0.5", linewidth=2.6, alpha=0.5,
-            label=f"B-bar FEM, finest ({'; '.join(_finest(table))})",
+            label=f"{B_BAR.name}, finest",
         )  # fmt: skip
-        below.axhspan(-4.0, 4.0, color="0.9", zorder=0)
-        above.set(title=f"{press}, 15 ms", xlabel="x [m]", ylabel="height of the top edge [m]")
+        below.axhspan(-1e3 * TOLERANCE, 1e3 * TOLERANCE, color="0.9", zorder=0)
+        above.set(
+            title=f"{reading.name}, 15 ms (finest elements {solids['lattice'].iloc[-1]})",
+            xlabel="x [m]", ylabel="height of the top edge [m]",
+        )  # fmt: skip
         below.set(xlabel="X [m]", ylabel="height, less finest FEM [mm]")
     outside_legend(figure, axes.flat, columns=3)
-    return save_figure(figure, stem)
+    return figure
 
 
-def _finest(table: pd.DataFrame) -> list[str]:
-    found = [select(table, press=press, method=FEM).sort_values("cells") for press in READINGS]
-    return [elements["lattice"].iloc[-1] for elements in found if len(elements)]
-
-
-def height_figure(results: Results, stem: Path) -> Path:
+def height_figure(results: Results) -> Figure:
     """Why one instant is a poor measure: the lowest height over time, and refined."""
-    table, history = results.tables["table"], results.tables["history"]
+    table = results.tables["table"]
     figure, axes = panels(1, 3, width=3.0, height=2.7)
-    for method in (DISPLACEMENT, H6, H1, TOOLKIT, FEM):
-        _over_time(axes[0, 0], table, history, "initial", method, "top_low [m]", 1.0)
-        _over_time(axes[0, 1], table, history, "initial", method, "total_energy [J]", 1.0)
-    axes[0, 0].axvline(1e3 * COMPARED, color="0.6", linewidth=0.8, linestyle="--")
-    axes[0, 0].set(title="initial", xlabel="time [ms]", ylabel="lowest height [m]")
-    axes[0, 1].set(title="initial", xlabel="time [ms]", ylabel="kinetic and strain energy [J]")
-    ax = axes[0, 2]
-    for method in (H6, H1, TOOLKIT, FEM):
-        runs = select(table, press="initial", method=method)
-        runs = runs[runs["operator"] != "Literal"].sort_values("cells")
-        if len(runs):
-            ax.plot(1.0 / runs["cells"], runs["top_low"], marker="o", label=method, **LOOKS[method])
-    ax.axhline(INDEPENDENT["initial"][0], color="0.6", linewidth=0.8, linestyle="--")
-    ax.set(title="initial, 15 ms", xlabel="spacing [m]", ylabel="lowest height [m]")
-    ax.set_xlim(left=0.0)
+    over_time, energy, refined = axes.flat
+    for method in (CLASSICAL, H6, H1, PACKAGE, B_BAR):
+        _over_time(over_time, results, INITIAL, method, "top_low [m]")
+        _over_time(energy, results, INITIAL, method, "total_energy [J]")
+        runs = select(table, press=INITIAL.name, method=method.name)
+        runs = runs[runs["operator"] != LITERAL.name].sort_values("cells")
+        if method != CLASSICAL and len(runs):
+            refined.plot(1.0 / runs["cells"], runs["top_low"], label=method.name, **method.look)
+    over_time.axvline(1e3 * COMPARED, color="0.6", linewidth=0.8, linestyle="--")
+    over_time.set(title="initial", xlabel="time [ms]", ylabel="lowest height [m]")
+    energy.set(title="initial", xlabel="time [ms]", ylabel="kinetic and strain energy [J]")
+    refined.axhline(INDEPENDENT[INITIAL.name][0], color="0.6", linewidth=0.8, linestyle="--")
+    refined.set(title="initial, 15 ms", xlabel="spacing [m]", ylabel="lowest height [m]")
+    refined.set_xlim(left=0.0)
     outside_legend(figure, axes.flat, columns=3)
-    return save_figure(figure, stem)
+    return figure
+
+
+def _panel(
+    tables: Tables, reading: Reading, method: Method, time: float, operator: Any = CONSISTENT,
+    *, level: int = 0, label: str = "",
+) -> Panel | Absent:  # fmt: skip
+    run = one_run(tables["table"], reading, method, operator, level)
+    label = label or method.name.replace(", ", ",\n")
+    if len(run) == 0 or run["until"].iloc[0] < time - 1e-9:
+        return Absent(label, time)
+    return Panel(label, run["key"].iloc[0], time)
+
+
+def _evolution(reading: Reading, operator: Any, tables: Tables) -> Plan:
+    return [[_panel(tables, reading, m, time, operator) for time in EARLY] for m in FIG_10]
+
+
+def _comparison(tables: Tables) -> Plan:
+    lattices = tables["table"].groupby("cells")["lattice"].first().tolist()
+    shown = [(H6, 0), (H1, 0), (B_BAR, 0), (H1, 1), (B_BAR, 1)]
+    return [
+        [
+            _panel(
+                tables, reading, method, COMPARED, level=level,
+                label=f"{B_BAR.name if method == B_BAR else method.name.split()[-1]}\n"
+                f"{lattices[level]}",
+            )
+            for reading in READINGS
+        ]
+        for method, level in shown if level < len(lattices)
+    ]  # fmt: skip
+
+
+def _sequence(reading: Reading, tables: Tables) -> Plan:
+    return [[_panel(tables, reading, method, time) for method in (H1, B_BAR)] for time in LATE]
+
+
+def _picture(plan: Callable[[Tables], Plan], field: str) -> Picture:
+    colours = ColourRange(field, -PRESSURE, PRESSURE, (True, True))
+    # Six pages of images: fine enough for the lines of the mesh, and not more.
+    return Picture(plan, field, colours, flat_view(right="x", up="z"), layout=Layout(dpi=100))
+
+
+#: Particles alone show what they have: a mean over cells would hide its fluctuations.
+PICTURES = {
+    "evolution_initial": _picture(partial(_evolution, INITIAL, CONSISTENT), "pressure"),
+    "evolution_initial_printed": _picture(partial(_evolution, INITIAL, LITERAL), "pressure"),
+    "evolution_held": _picture(partial(_evolution, HELD, CONSISTENT), "pressure"),
+    "comparison": _picture(_comparison, CELL + "pressure"),
+    "sequence_initial": _picture(partial(_sequence, INITIAL), CELL + "pressure"),
+    "sequence_held": _picture(partial(_sequence, HELD), CELL + "pressure"),
+}

@@ -1,23 +1,25 @@
-"""The tables of the punch test: one row a run, judged against the finest finite elements."""
+"""The tables of the punch test: one row a run, measured against the finest finite elements."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from studies.harness.cases import Row
-from studies.harness.results import Tables
-from studies.punch.cases import COMPARED, EVERY
-from studies.punch.methods import FEM
-from studies.report import folding
+from studies.engine.case import Row
+from studies.engine.results import Tables
+from studies.measures import folding
+from studies.measures.tables import select
+from studies.methods import B_BAR, Method
+from studies.punch.runs import COMPARED, CONSISTENT, EVERY, Reading
 
-SETTING = ["press", "method", "operator", "lattice"]
 RUN = [
-    "key", *SETTING, "cells", "particles", "h_over_dx", "integrator", "until", "survived",
-    "lost_at", "lost_where", "reason", *folding.COLUMNS, "steps", "cpu_s", "wall_s",
+    "key", "press", "method", "operator", "lattice", "cells", "particles", "h_over_dx",
+    "integrator", "until", "survived", "diverged_at", "where", "why", *folding.COLUMNS, "steps",
+    "cpu_s", "wall_s",
 ]  # fmt: skip
 #: What the history says of a run, see :func:`measures`.
 MEASURED = [
@@ -46,13 +48,28 @@ def tables(rows: list[Row]) -> Tables:
     }
 
 
-def _frame(rows: list[Row], kind: str, columns: list[str]) -> pd.DataFrame:
+def _frame(rows: list[Row], kind: str, columns: Sequence[str]) -> pd.DataFrame:
     """Rows of one kind, with at least ``columns``, these first."""
     found = pd.DataFrame([row for row in rows if row["kind"] == kind])
-    found = found.drop(columns="kind", errors="ignore")
-    missing = [name for name in columns if name not in found.columns]
-    found = found.reindex(columns=[*found.columns, *missing])
-    return found[[*columns, *(name for name in found.columns if name not in columns)]]
+    others = [name for name in found.columns if name not in (*columns, "kind")]
+    return found.reindex(columns=[*columns, *others])
+
+
+def one_run(
+    table: pd.DataFrame, reading: Reading, method: Method, operator: Any = CONSISTENT,
+    level: int = 0,
+) -> pd.DataFrame:  # fmt: skip
+    """The row of a run, or none; ``level`` 0 is the coarsest lattice, 1 the next."""
+    levels = sorted(table["cells"].unique())
+    if level >= len(levels):
+        return table.iloc[:0]
+    found = select(table, press=reading.name, method=method.name, cells=levels[level])
+    return found.head(1) if method == B_BAR else select(found, operator=operator.name).head(1)
+
+
+def elements(table: pd.DataFrame, reading: Reading) -> pd.DataFrame:
+    """The B-bar runs of a reading, from the coarsest lattice to the finest."""
+    return select(table, press=reading.name, method=B_BAR.name).sort_values("cells")
 
 
 def measures(
@@ -63,18 +80,16 @@ def measures(
     At 15 ms: heights of the top face [m], percentiles by volume of the pressure [Pa], noise,
     impulse [N s] of floor and punch.  ``top_rms`` [m]: distance of the lowest or the
     highest height, the larger, from that of the finest finite elements, root mean square over the
-    records to 15 ms.
-    ``profile_same``, ``profile_finest`` [m]: largest difference of the edge from elements of
-    the same, of the finest lattice.  ``noise_mean``: over the records to 15 ms, ``noise_late``
-    after.  Energies at the last record, as shares of what was supplied: the energy at the start
-    and the work of the punch.
+    records to 15 ms.  ``profile_same``, ``profile_finest`` [m]: largest difference of the edge from
+    elements of the same, of the finest lattice.  ``noise_mean``: over the records to 15 ms,
+    ``noise_late`` after.  Energies at the last record, as shares of what was supplied: the energy
+    at the start and the work of the punch.
     """
     mine = history[history["key"] == run["key"]].sort_values("time [s]")
     if len(mine) == 0:
         return {}
     time = mine["time [s]"].to_numpy()
     first = (time > 0.0) & (time <= COMPARED + _SAME)
-    elements = runs[(runs["press"] == run["press"]) & (runs["method"] == FEM)]
     out = _at_comparison(mine[np.isclose(time, COMPARED, rtol=0.0, atol=_SAME)])
     out |= {
         "noise_mean": _mean(mine["noise"].to_numpy()[first]),
@@ -85,11 +100,11 @@ def measures(
             (mine["linear_drift [kg m/s]"] / mine["linear_scale [kg m/s]"].max()).max()
         ),
     } | _energies(mine)
-    if len(elements):
-        finest = elements.loc[elements["cells"].idxmax()]
-        same = elements[elements["lattice"] == run["lattice"]]
-        reference = history[history["key"] == finest["key"]]
-        out["top_rms"] = _rms_difference(mine[first], reference)
+    references = select(runs, press=run["press"], method=B_BAR.name)
+    if len(references):
+        finest = references.loc[references["cells"].idxmax()]
+        same = select(references, lattice=run["lattice"])
+        out["top_rms"] = _rms_difference(mine[first], history[history["key"] == finest["key"]])
         out["profile_finest"] = _profile_difference(profile, run["key"], finest["key"])
         if len(same):
             out["profile_same"] = _profile_difference(profile, run["key"], same["key"].iloc[0])

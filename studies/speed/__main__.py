@@ -1,11 +1,4 @@
-"""``python -m studies.speed``."""
+from studies.engine.study import run_study
+from studies.speed import STUDY
 
-from __future__ import annotations
-
-import sys
-
-from studies.harness.front import main
-from studies.speed.study import STUDY
-
-if __name__ == "__main__":
-    sys.exit(main(STUDY))
+run_study(STUDY)

@@ -17,6 +17,8 @@ import sphsolid as sph
 from sphsolid.cloud.pairs.pair_operator import PairOperator
 from sphsolid.fields import components
 from sphsolid.scheme import fine_scale, galerkin, pressure, time_step
+from sphsolid.scheme.supg import SUPGTerm
+from sphsolid.scheme.tile import make_scratch
 from studies.speed import counting
 
 _DOUBLE = 8
@@ -57,9 +59,9 @@ def passes(sim: sph.Simulation) -> list[Pass]:
     rhs, cloud, q, state = sim._rhs, sim.cloud, sim.secondary, sim.state
     f, material, n = sim.formulation, sim.scene.material, sim.cloud.size
     p, F, H, J = state.rows()
-    x, P, scratch = components(state.x), components(rhs.P), rhs.scratch
-    Fdot, Hdot, Jdot = (components(r) for r in (rhs.rates.F, rhs.rates.H, rhs.rates.J))
-    Fdot_C, pdot = components(rhs._Fdot_C), components(rhs.rates.p)
+    x, P, scratch = components(state.x), components(rhs.P), make_scratch()
+    pdot, Fdot, Hdot, Jdot = rhs.rates.rows()
+    Fdot_C = components(rhs._projected_rate)
     projects, projection = rhs.projects, counting.projection_operations()
     has_H, has_J = f.evolves_H, f.evolves_J
     gradients = 2 if projects else 1
@@ -70,8 +72,9 @@ def passes(sim: sph.Simulation) -> list[Pass]:
         Pass(
             "gradient, projection, stress",
             lambda: galerkin.coarse(
-                material, cloud.kinematic, cloud.force, cloud.is_adjoint, has_H, has_J, True,
-                False, projects, Fdot_C.size > 0, p, x, F, H, J, P, Fdot, Hdot, Jdot, Fdot_C,
+                material, cloud.kinematic, cloud.force,
+                galerkin.Passes(cloud.is_adjoint, True, False, projects),
+                galerkin.Given(x, p, F, H, J), galerkin.Found(P, Fdot, Hdot, Jdot, Fdot_C),
                 scratch,
             ),
             18.0 * gradients * pairs_of(cloud.kinematic) + lanes * n,
@@ -79,8 +82,9 @@ def passes(sim: sph.Simulation) -> list[Pass]:
         )
     ]  # fmt: skip
     if isinstance(sim.stabilisation, sph.SUPG) and q is not None:
-        supg = sim.stabilisation
-        P_fine, F_x_q = components(rhs.P_fine), components(rhs._F_x_q)
+        supg, (term,) = sim.stabilisation, rhs.terms
+        assert isinstance(term, SUPGTerm)
+        P_fine, F_x_q = components(term.P_fine), components(term.F_x)
         rate = Fdot_C if Fdot_C.size else Fdot
         m = len(q.X)
         simplified = isinstance(supg.fine_scale, sph.SimplifiedHessian)
@@ -89,8 +93,9 @@ def passes(sim: sph.Simulation) -> list[Pass]:
                 Pass(
                     "secondary points",
                     lambda: fine_scale.simplified(
-                        q.sampling, material.density, 1.0, 0.0, projects, supg.damps_J, p, x, F,
-                        rate, P_fine, F_x_q, scratch,
+                        q.sampling,
+                        fine_scale.Simplified(material.density, 1.0, 0.0, supg.damps_J), projects,
+                        fine_scale.Matched(p, x, F, rate), P_fine, F_x_q, scratch,
                     ),
                     (18.0 * gradients + 18.0) * pairs_of(q.sampling)
                     + m * (18 + projection * int(projects)),
@@ -110,7 +115,7 @@ def passes(sim: sph.Simulation) -> list[Pass]:
                 )
             )
         if supg.damps_J:
-            flux, inertia = components(rhs.flux), components(rhs._inertia)
+            flux, inertia = components(term.flux), components(term.inertia)
             listed += [
                 Pass(
                     "R_p",
@@ -144,9 +149,7 @@ def passes(sim: sph.Simulation) -> list[Pass]:
         ),
         Pass(
             "time step",
-            lambda: time_step._stretch_limits(
-                has_J, p, F, J, sim._time_step._limit, scratch
-            ),
+            lambda: time_step._stretch_limits(p, F, J, sim._time_step._limit, scratch),
             counting.stretch_operations() * n,
             _moved([p, F, J], [sim._time_step._limit]),
         ),
@@ -156,7 +159,7 @@ def passes(sim: sph.Simulation) -> list[Pass]:
 
 def update_bytes(sim: sph.Simulation) -> float:
     """Bytes that advancing the fields moves in one step, whatever the integrator: once each way."""
-    fields = [sim.state.x, *sim.state.evolved(sim.formulation)]
+    fields = [sim.state.x, *(sim.state[name] for name in sim._rhs.evolved)]
     stages = max(2, sim.integrator.stages)
     return float(sum(_DOUBLE * field.size * 4 * stages for field in fields))
 

@@ -15,7 +15,7 @@ import fem_reference as fem
 import sphsolid as sph
 from sphsolid.continuum.wave_speed import reference_p_wave_speed
 from sphsolid.errors import Diverged, FoldingWarning
-from sphsolid.record import EnergyLedger, Positions, Recorder, Snapshot
+from sphsolid.record import EnergyBudget, Positions, Recorder, Snapshot
 from sphsolid.record.plain import plain
 from sphsolid.scenes import (
     Box,
@@ -108,7 +108,7 @@ def followed(solver: Any, *recorders: Recorder) -> tuple[dict[str, Array], Row]:
     """
     give_up_on_collapse(solver)
     until = solver.scene.end_time
-    record: list[Recorder] = [EnergyLedger(), HEALTH, Positions(), *recorders]
+    record: list[Recorder] = [EnergyBudget(), HEALTH, Positions(), *recorders]
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", FoldingWarning)
         ran = run(solver, until=until, every=until / RECORDS, record=record)

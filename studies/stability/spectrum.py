@@ -25,8 +25,8 @@ from numpy.typing import NDArray
 from sphsolid import SSPRK3, SUPG, Simulation
 from sphsolid.continuum.tensor import cofactor, contract, cross, join, split
 from sphsolid.errors import require
-from sphsolid.scheme.intrinsic_time import Times, Units
-from sphsolid.scheme.right_hand_side import State
+from sphsolid.scheme.intrinsic_time import Units
+from sphsolid.scheme.state import State
 from studies.stability.spectrum_step import Layout, Rates, interpolated, nodes, step_matrix
 
 Array = NDArray[np.float64]
@@ -37,14 +37,9 @@ STENCIL = ((-2.0, 1.0 / 12.0), (-1.0, -8.0 / 12.0), (1.0, 8.0 / 12.0), (2.0, -1.
 
 
 def take_times_at(simulation: Simulation, step: float) -> None:
-    """Give the right-hand side its intrinsic times [s] where the CFL rule allows ``step`` [s]; at
-    zero nothing has a time.
-    """
-    supg = simulation.stabilisation
-    times = Times(0.0, 0.0, 0.0, 0.0)
-    if isinstance(supg, SUPG) and step > 0.0:
-        times = supg.seconds(Units(simulation._time_step.crossing, step))
-    simulation._rhs.times = times
+    """Give every term its times where the CFL rule allows ``step`` [s]; at zero nothing has one."""
+    crossing = simulation._time_step.crossing if step > 0.0 else 0.0
+    simulation._rhs.begin_step(Units(crossing, step))
 
 
 class Linearisation:
@@ -71,7 +66,7 @@ class Linearisation:
         formulation, supg = sim.formulation, sim.stabilisation
         damped = isinstance(supg, SUPG) and supg.damps_J
         self.has_J = formulation.evolves_J and (damped or not formulation.evolves_F)
-        self._base = State(**{name: array.copy() for name, array in vars(sim.state).items()})
+        self._base = State(**{name: array.copy() for name, array in sim.state.items()})
         allowed = np.ones((sim.cloud.size, 3))
         self.rhs.essential.release(allowed)
         require(

@@ -2,21 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import RegularGridInterpolator
 
-from studies.report.percentiles import weighted_percentile
-from studies.twisting_column.cases import CLAMP, SHARES
-from studies.twisting_column.methods import FEM, H1, H6, LITERAL, LITERAL_H6
+from studies.measures.percentiles import weighted_percentile
 
 Array = NDArray[np.float64]
 Row = dict[str, Any]
-#: The paper's two settings; where both ran they are compared with each other.
-PAIRS = ((H1, H6), (LITERAL, LITERAL_H6))
+#: Height [m] above which the clamp and the singular stress at its corners are not felt.
+CLAMP = 0.5
+#: Percentiles of the pressure that are told.
+SHARES = (1, 50, 99)
 
 
 def nodes(cells: int) -> tuple[Array, Array, Array]:
@@ -38,11 +38,9 @@ def _resampled(planes: tuple[Array, ...], values: Array, targets: tuple[Array, .
 
 
 def _tributary(planes: tuple[Array, ...]) -> Array:
-    weights = []
-    for axis in planes:
-        weight = np.ones(len(axis))
+    weights = [np.ones(len(axis)) for axis in planes]
+    for weight in weights:
         weight[[0, -1]] = 0.5
-        weights.append(weight)
     product = np.einsum("i,j,k->ijk", *weights)
     return np.asarray(product / product.sum())
 
@@ -68,10 +66,7 @@ def difference(run: Row, other: Row) -> dict[str, float]:
         own, others = _free_pressures(run, other, "grid_mean")
         row["mean_rms"] = _relative_rms(own, others)
         for name, values in (("own", own), ("other", others)):
-            row |= {
-                f"{name}_mean_{share} [Pa]": value
-                for share, value in percentiles_of_cells(values).items()
-            }
+            row |= {f"{name}_mean_{s} [Pa]": p for s, p in _percentiles(values).items()}
     return row
 
 
@@ -83,11 +78,17 @@ def _free_pressures(run: Row, other: Row, name: str) -> tuple[Array, Array]:
     return np.reshape(run[name], others.shape)[:, free], others[:, free]
 
 
-def percentiles_of_cells(values: Array) -> dict[int, float]:
-    """Percentiles :data:`SHARES` of what cells of one volume have."""
+def _percentiles(values: Array) -> dict[int, float]:
+    """Of what cells of one volume have."""
     flat = values.ravel()
-    found = weighted_percentile(flat, np.ones(len(flat)), SHARES)
-    return dict(zip(SHARES, found.tolist(), strict=True))
+    return dict(zip(SHARES, weighted_percentile(flat, np.ones(len(flat)), SHARES), strict=True))
+
+
+def of_means(grid: Sequence[float], cells: int) -> dict[str, float]:
+    """``pressure_mean_*`` [Pa]: percentiles of the pressures of a grid above the clamp."""
+    free = centres(cells)[1] > CLAMP
+    above = np.reshape(grid, (cells, 6 * cells, cells))[:, free]
+    return {f"pressure_mean_{share}": value for share, value in _percentiles(above).items()}
 
 
 def _relative_rms(own: Array, others: Array) -> float:
@@ -102,8 +103,7 @@ def kink(run: Row) -> float:
     see it; a smooth twist of six radians on nineteen layers has 0.01.
     """
     X, Y, Z = nodes(run["cells"])
-    shape = (len(X), len(Y), len(Z), 3)
-    x = np.reshape(run["grid_x"], shape)
+    x = np.reshape(run["grid_x"], (len(X), len(Y), len(Z), 3))
     now = x - x.mean(axis=(0, 2), keepdims=True)
     before = X[:, None, None] + 1j * Z[None, None, :]
     turn = np.sum((now[..., 0] + 1j * now[..., 2]) * np.conj(before), axis=(0, 2))
@@ -111,31 +111,24 @@ def kink(run: Row) -> float:
     return float(np.max(np.abs(0.5 * (0.5 * (twist[2:] + twist[:-2]) - twist[1:-1]))))
 
 
-def reference_run(runs: list[Row], nu: float) -> Row | None:
-    """The finest finite element run at ``nu`` that reached its end, if there is one."""
-    found = [
-        run for run in runs if run["label"] == FEM and run["nu"] == nu and run["survived"]
-    ]
-    return max(found, key=lambda run: int(run["cells"]), default=None)
+def differences(
+    runs: Sequence[Row], *, reference: str, pairs: Sequence[tuple[str, str]]
+) -> Iterator[Row]:
+    """From the finest run of ``reference``, for every run; and between ``pairs`` on one lattice.
 
-
-def differences(runs: list[Row]) -> Iterator[Row]:
-    """From the finest finite elements, for every run; and between H1 and H6 where both ran."""
-    for run in runs:
-        if not run["survived"]:
-            continue
-        named = {name: run[name] for name in ("label", "cells", "cfl", "nu")}
-        finest = reference_run(runs, run["nu"])
-        if finest is not None and finest["cells"] > run["cells"]:
-            yield named | {"other": FEM, "other_cells": finest["cells"]} | difference(
-                run, finest
-            )
-        for first, second in PAIRS:
-            if run["label"] != second:
-                continue
-            for other in runs:
-                same = all(other[name] == run[name] for name in ("cells", "cfl", "nu"))
-                if other["label"] == first and same and other["survived"]:
-                    yield named | {"other": first, "other_cells": other["cells"]} | difference(
-                        run, other
-                    )
+    Runs that diverged are left out.
+    """
+    ended = [run for run in runs if run["survived"]]
+    for run in ended:
+        named = {name: run[name] for name in ("method", "cells", "cfl", "nu", "kept", "usual")}
+        known = [one for one in ended if one["method"] == reference and one["nu"] == run["nu"]]
+        others = [max(known, key=lambda one: int(one["cells"]))] if known else []
+        others = [other for other in others if other["cells"] > run["cells"]]
+        same = ("cells", "cfl", "nu", "kept")
+        others += [
+            other for other in ended if (other["method"], run["method"]) in pairs
+            and all(other[name] == run[name] for name in same)
+        ]  # fmt: skip
+        for other in others:
+            found = difference(run, other)
+            yield named | {"other": other["method"], "other_cells": other["cells"]} | found

@@ -16,9 +16,9 @@ from sphsolid.record import Snapshot, angular_momentum, linear_momentum
 from sphsolid.scenes import Box, Scene, swinging_cube
 from sphsolid.scheme.formulation import Formulation
 from sphsolid.scheme.intrinsic_time import Units
-from sphsolid.scheme.right_hand_side import State
-from studies.convergence.cases import period_errors_of
-from studies.report.order import last_order
+from sphsolid.scheme.state import State
+from studies.measures.order import last_order
+from studies.measures.swinging_cube import period_errors_of
 from tests.oracles.blocks import AFFINE, MOONEY, stress_of, stretched_block
 
 Array = NDArray[np.float64]

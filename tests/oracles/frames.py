@@ -6,7 +6,7 @@ import numpy as np
 
 from sphsolid.geometry.integrals import vertex_volumes
 from sphsolid.scenes import Box
-from studies.pictures.shots import KEPT, Shot
+from studies.pictures.frame import KEPT, Shot
 
 
 def box_shot(
@@ -18,16 +18,16 @@ def box_shot(
     mesh = Box(lower, upper).mesh(spacing)
     x = move(mesh.vertices)
     values = np.asarray(field(x)).astype(np.float32)
-    return Shot(
+    whole = Shot(
         label=label,
         time=time,
         quads=mesh.boundary.astype(np.int32),
         x=x.astype(np.float32),
         values={name: values.copy() for name in KEPT},
         V=vertex_volumes(mesh).astype(np.float32),
-        spacing=mesh.spacing,
         folded=folded,
     )
+    return whole.only(np.ones(len(whole.quads), dtype=bool), KEPT)
 
 
 def twisted(angle):

@@ -23,7 +23,7 @@ def build(scene: Scene, **options: Any) -> sph.Simulation:
 def after(scene: Scene, steps: int, **options: Any) -> sph.Simulation:
     """At ``SPAN``, with its balance."""
     sim = build(scene, **options)
-    sim.track_balance()
+    sim.track_budget()
     for _ in range(steps):
         sim.advance(SPAN / steps)
     return sim

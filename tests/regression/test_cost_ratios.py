@@ -15,9 +15,10 @@ from pathlib import Path
 
 import pytest
 
+from studies.pareto import POISSON
 from studies.pareto.cost import counted_work, evaluations_per_step
-from studies.pareto.methods import COMPARED, METHODS
-from studies.pareto.scenes import CUBE, RATIOS, timed
+from studies.pareto.methods import compared
+from studies.pareto.runs import CUBE, timed
 
 RECORDED = tomllib.loads((Path(__file__).parent / "cost_ratios.toml").read_text(encoding="utf-8"))
 KINDS = ("gathered", "streamed", "multiply_adds")
@@ -26,7 +27,8 @@ KINDS = ("gathered", "streamed", "multiply_adds")
 @cache
 def work_per_second(method: str, nu: float) -> dict[str, float]:
     """Bytes gathered and multiply-adds per physical second."""
-    sim = METHODS[method].simulation(timed(CUBE, nu), RECORDED["cells"])
+    [chosen] = [each for each in compared(nu) if each.name == method]
+    sim = chosen.simulation(timed(CUBE, nu), spacing=1.0 / RECORDED["cells"])
     evaluations = evaluations_per_step(sim) / sim.stable_time_step()
     work = counted_work(sim)
     return {kind: evaluations * getattr(work, kind) for kind in KINDS}
@@ -38,8 +40,8 @@ def ratio(method: str, nu: float) -> dict[str, float]:
     return {kind: own[kind] / base[kind] for kind in KINDS}
 
 
-@pytest.mark.parametrize("nu", RATIOS)
-@pytest.mark.parametrize("method", [method.label for method in COMPARED])
+@pytest.mark.parametrize("nu", POISSON)
+@pytest.mark.parametrize("method", [method.name for method in compared(POISSON[0])])
 def test_work_is_as_recorded(method: str, nu: float) -> None:
     recorded, band = RECORDED[f"nu {nu:g}"][method], RECORDED["band"]
     for kind, now in ratio(method, nu).items():
@@ -52,7 +54,7 @@ def test_work_is_as_recorded(method: str, nu: float) -> None:
 
 def test_work_of_the_base_is_as_recorded() -> None:
     """All ratios would stay where they are if everything became dearer."""
-    for nu in RATIOS:
+    for nu in POISSON:
         for kind, now in work_per_second(RECORDED["base"], nu).items():
             recorded = RECORDED[f"nu {nu:g}"]["base"][kind]
             assert now == pytest.approx(recorded, rel=RECORDED["band"]), (nu, kind)
@@ -60,14 +62,14 @@ def test_work_of_the_base_is_as_recorded() -> None:
 
 def main() -> None:
     """Print the tables of the file as they are now."""
-    for nu in RATIOS:
+    for nu in POISSON:
         print(f'\n["nu {nu:g}"]')
         base = work_per_second(RECORDED["base"], nu)
         print(f"base = {{ {', '.join(f'{kind} = {base[kind]:.6g}' for kind in KINDS)} }}")
-        for method in COMPARED:
-            now = ratio(method.label, nu)
+        for method in compared(nu):
+            now = ratio(method.name, nu)
             numbers = ", ".join(f"{kind} = {now[kind]:.4f}" for kind in KINDS)
-            print(f'"{method.label}" = {{ {numbers} }}')
+            print(f'"{method.name}" = {{ {numbers} }}')
 
 
 if __name__ == "__main__":

@@ -15,30 +15,49 @@ from typing import Any
 
 import pytest
 
-from studies.convergence.cases import run_case
-from studies.report.order import fit_order, last_order
+import sphsolid as sph
+from studies.convergence import run_cube
+from studies.measures.order import fit_order, last_order
+from studies.methods import B_BAR, PAPER, Method
 
 Case = dict[str, Any]
 SLOPES = tomllib.loads((Path(__file__).parent / "slopes.toml").read_text(encoding="utf-8"))
 CASES: list[Case] = SLOPES["case"]
-#: What a case need not say.
-DEFAULTS = {
-    "scene": "linear",
-    "poisson_ratio": 0.3,
-    "method": "SUPG-SPH",
-    "formulation": "{p,F}",
-    "secondary": "H1",
-    "operator": "Consistent",
-    "projection": "local",
-    "xi_F": 0.0,
-    "tau_p": 0.0,
+#: Options by the words of the file.
+FORMULATIONS = {each.name: each for each in (sph.PF(), sph.PFJ(), sph.PFHJ())}
+SECONDARY = {"H1": sph.H1(), "H6": sph.H6()}
+OPERATORS = {
+    each.name: each for each in (sph.Literal(), sph.Consistent(), sph.Consistent(use="force"))
 }
 
 
+def method_of(
+    *,
+    method: str = PAPER.name,
+    formulation: str = "{p,F}",
+    secondary: str = "H1",
+    operator: str = "Consistent",
+    xi_F: float = 0.0,
+    tau_p: float = 0.0,
+) -> Method:
+    """The method that a case names: a variant of the paper's scheme, or the elements."""
+    if method == B_BAR.name:
+        return B_BAR
+    return PAPER.but(
+        formulation=FORMULATIONS[formulation], secondary=SECONDARY[secondary],
+        operator=OPERATORS[operator], xi_F=xi_F, tau_p=sph.OfStep(tau_p),
+    )  # fmt: skip
+
+
 @cache
-def errors(cells: int, **arguments: Any) -> dict[str, float]:
+def errors(
+    cells: int, *, family: str, scene: str = "linear", poisson_ratio: float = 0.3, **method: Any
+) -> dict[str, float]:
     """Error of every component at one spacing."""
-    rows = run_case(**{**DEFAULTS, **arguments}, cells=cells)
+    rows = run_cube(
+        method=method_of(**method), scene=scene, family=family, poisson_ratio=poisson_ratio,
+        cells=cells,
+    )  # fmt: skip
     return {f"{row['field']}_{row['component']}": row["error"] for row in rows}
 
 

@@ -50,7 +50,7 @@ def test_tau_F_is_a_time_of_the_solid_and_the_spacing(nu: float) -> None:
     for options in ({}, {"cfl": 0.35}, {"integrator": sph.SSPRK3()}):
         sim = sph.Simulation(scene, spacing=0.5, formulation=sph.PFJ(), **options)
         sim.advance(sim.stable_time_step())
-        times.append(sim._rhs.times.F)
+        times.append(sim._rhs.terms[0].times.F)
     speed = (scene.material.kappa + 4.0 / 3.0 * scene.material.mu) / scene.material.density
     shear = (scene.material.mu / scene.material.density / speed) ** 0.5
     assert times == [times[0]] * 3

@@ -11,12 +11,16 @@ ROOT = Path(__file__).resolve().parents[2]
 PACKAGES = ("sphsolid", "fem_reference", "studies")
 
 #: Anything may import these.
-BASE = {"sphsolid.compiled", "sphsolid.errors", "sphsolid.fields", "sphsolid.paths"}
+BASE = {
+    "sphsolid.compiled", "sphsolid.errors", "sphsolid.fields", "sphsolid.paths",
+    "sphsolid.protocols",
+}  # fmt: skip
 _PHYSICS = BASE | {"sphsolid.continuum"}
 _PROBLEM = _PHYSICS | {"sphsolid.geometry", "sphsolid.scenes"}
 _SPH = _PROBLEM | {
     "sphsolid.record", "sphsolid.cloud", "sphsolid.scheme", "sphsolid.defaults",
-    "sphsolid.describe", "sphsolid.recommendation", "sphsolid.simulation",
+    "sphsolid.describe", "sphsolid.recommendation", "sphsolid.options", "sphsolid.run",
+    "sphsolid.sph_snapshot", "sphsolid.simulation",
 }  # fmt: skip
 #: What each room may import besides itself.  A room that is not here is a new one: decide.
 ALLOWED: dict[str, set[str]] = {
@@ -25,19 +29,27 @@ ALLOWED: dict[str, set[str]] = {
     "sphsolid.errors": set(),
     "sphsolid.fields": set(),
     "sphsolid.paths": {"sphsolid.errors"},
+    "sphsolid.protocols": {"sphsolid.errors"},
     "sphsolid.continuum": BASE,
     "sphsolid.geometry": {"sphsolid.errors", "sphsolid.paths"},
     "sphsolid.scenes": _PHYSICS | {"sphsolid.geometry"},
     "sphsolid.record": _PROBLEM,
+    "sphsolid.run": _PROBLEM | {"sphsolid.record"},
     "sphsolid.cloud": _PROBLEM,
     "sphsolid.scheme": _PROBLEM | {"sphsolid.cloud"},
     "sphsolid.defaults": _PROBLEM | {"sphsolid.cloud", "sphsolid.scheme"},
     "sphsolid.recommendation": _PROBLEM
     | {"sphsolid.cloud", "sphsolid.scheme", "sphsolid.defaults"},
+    "sphsolid.options": _PROBLEM
+    | {
+        "sphsolid.cloud", "sphsolid.scheme", "sphsolid.defaults", "sphsolid.recommendation",
+        "sphsolid.record",
+    },
+    "sphsolid.sph_snapshot": _PROBLEM | {"sphsolid.scheme", "sphsolid.record"},
     "sphsolid.describe": _SPH,
     "sphsolid.simulation": _SPH,
     "sphsolid": _SPH,
-    "fem_reference": _PROBLEM | {"sphsolid.record"},
+    "fem_reference": _PROBLEM | {"sphsolid.record", "sphsolid.run"},
     "studies": _SPH | {"sphsolid", "fem_reference"},
 }
 OURS = {*PACKAGES, "tests"}

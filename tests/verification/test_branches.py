@@ -16,7 +16,7 @@ import fem_reference as fem
 import sphsolid as sph
 from sphsolid import scenes
 from sphsolid.geometry import Box
-from sphsolid.record import Energy, EnergyLedger, Reactions
+from sphsolid.record import Energy, EnergyBudget, Reactions
 from sphsolid.scenes.cable import Pulse
 from sphsolid.scenes.punch import HeldVelocity
 from sphsolid.scenes.scene import Scene
@@ -34,7 +34,7 @@ WAYS: dict[str, Callable[[Any], Any]] = {
     "copy": copy.copy,
     "pickle": lambda sim: pickle.loads(pickle.dumps(sim)),
 }
-RECORD = (Energy(), EnergyLedger(), Reactions())
+RECORD = (Energy(), EnergyBudget(), Reactions())
 
 
 def bits(sim: Any) -> dict[str, bytes]:
@@ -52,7 +52,7 @@ def test_a_branch_goes_on_like_the_run_and_leaves_it_alone(make: Any, way: Any) 
     branch = way(sim)
     assert bits(branch) == before
     np.testing.assert_equal(
-        branch.snapshot().balance.reaction_force, seen.balance.reaction_force
+        branch.snapshot().budget.reaction_force, seen.budget.reaction_force
     )
     first = branch.run(until=2 * gap, record=RECORD)
     assert bits(sim) == before

@@ -13,23 +13,21 @@ import pandas as pd
 import pytest
 
 import sphsolid as sph
-from studies.clouds.cases import cube_on
+from studies.clouds import OPERATORS, energy_case, with_slopes
 from studies.clouds.choice import cloud_of
-from studies.clouds.ledger_cases import ledger
-from studies.clouds.shape_cases import conservation
-from studies.clouds.tables import with_slopes
-from studies.convergence.cases import FORMULATIONS, period_errors_of
-from studies.report.order import last_order
+from studies.clouds.runs import conservation, cube_on
+from studies.measures.order import last_order
+from studies.measures.swinging_cube import period_errors_of
 
 CLOUDS = ("jitter:0.4", "tet")
 
 
-def errors_on(cloud: str, cells: int, scene: str, formulation: str, **options: Any) -> Any:
+def errors_on(cloud: str, cells: int, scene: str, formulation: Any, **options: Any) -> Any:
     instance = cloud_of(cloud).at(cells)
     sim = sph.Simulation(
         cube_on(instance, scene=scene, family="A+B+C=0"),
         spacing=instance.spacing,
-        formulation=FORMULATIONS[formulation](),
+        formulation=formulation,
         **options,
     )
     return period_errors_of(sim)
@@ -50,10 +48,10 @@ def worst_slopes(by_cells: dict[int, dict[str, float]]) -> tuple[float, float]:
 
 @pytest.mark.parametrize("cloud", CLOUDS)
 @pytest.mark.parametrize(
-    ("scene", "formulation"), [("linear", "{p,F}"), ("manufactured", "{p,F,J}")]
+    ("scene", "formulation"), [("linear", sph.PF()), ("manufactured", sph.PFJ())]
 )
 def test_coarse_clouds_converge_fast_already(
-    cloud: str, scene: str, formulation: str
+    cloud: str, scene: str, formulation: Any
 ) -> None:
     found = {cells: errors_on(cloud, cells, scene, formulation) for cells in (4, 8)}
     momentum, stress = worst_slopes(found)
@@ -66,28 +64,29 @@ def test_coarse_clouds_converge_fast_already(
 @pytest.mark.parametrize("cloud", CLOUDS)
 def test_the_printed_operator_is_far_off_and_the_consistent_one_lags(cloud: str) -> None:
     """What the default is for: a planted return to either operator shows at 9^3."""
-    best = errors_on(cloud, 8, "linear", "{p,F}")
-    literal = errors_on(cloud, 8, "linear", "{p,F}", operator=sph.Literal())
-    consistent = errors_on(cloud, 8, "linear", "{p,F}", operator=sph.Consistent())
+    best = errors_on(cloud, 8, "linear", sph.PF())
+    literal = errors_on(cloud, 8, "linear", sph.PF(), operator=sph.Literal())
+    consistent = errors_on(cloud, 8, "linear", sph.PF(), operator=sph.Consistent())
     for what in ("p_x", "P_xx"):
         assert literal[what] > 6.0 * best[what]
         assert consistent[what] > 1.8 * best[what]
 
 
-@pytest.mark.parametrize("integrator", ["TVD-RK2", "position Verlet"])
+@pytest.mark.parametrize("integrator", [sph.TVDRK2(), sph.PositionVerlet()])
 @pytest.mark.parametrize("cloud", CLOUDS)
-def test_energy_is_conserved_in_space(cloud: str, integrator: str) -> None:
-    """Without stabilisation what the account leaves over falls with the square of the step."""
-    rows = ledger(cloud=cloud, level=4, operator="SummationByParts", integrator=integrator)
-    found = with_slopes(pd.DataFrame(rows))
+def test_energy_is_conserved_in_space(cloud: str, integrator: Any) -> None:
+    """Without stabilisation the residual of the budget falls with the square of the step."""
+    case = energy_case(cloud, integrator, 4)
+    found = with_slopes(pd.DataFrame(case.run(**case.arguments)))
     assert found["slope"].min() > 1.95
-    assert found["rest"].iloc[-1] < 1e-5
+    assert found["residual"].iloc[-1] < 1e-5
 
 
-@pytest.mark.parametrize("operator", ["Literal", "Consistent", "SummationByParts"])
+@pytest.mark.parametrize("operator", OPERATORS)
 @pytest.mark.parametrize("cloud", ["jitter 0.4", "tet", "hex file", "tet file"])
 def test_both_momenta_are_kept_on_every_cloud(cloud: str, operator: str) -> None:
-    (row,) = conservation(shape="cube", cloud=cloud, operator=operator, formulation="{p,F,J}")
+    method = OPERATORS[operator].but(formulation=sph.PFJ())
+    (row,) = conservation(shape="cube", cloud=cloud, method=method, operator=operator)
     assert row["outcome"] == "kept"
     assert row["linear_drift"] < 1e-12
     assert row["angular_drift"] < 1e-12
@@ -96,7 +95,7 @@ def test_both_momenta_are_kept_on_every_cloud(cloud: str, operator: str) -> None
 @pytest.mark.slow
 @pytest.mark.parametrize("cloud", CLOUDS)
 def test_errors_at_17_cubed(cloud: str) -> None:
-    found = {cells: errors_on(cloud, cells, "linear", "{p,F}") for cells in (8, 16)}
+    found = {cells: errors_on(cloud, cells, "linear", sph.PF()) for cells in (8, 16)}
     momentum, stress = worst_slopes(found)
     assert found[16]["p_x"] <= 4.0e-3
     assert found[16]["P_xx"] <= 2.0e-2

@@ -1,4 +1,4 @@
-"""The studies from the command line to the report, on grids that take seconds."""
+"""The convergence study from the command line to the report, on grids that take seconds."""
 
 from __future__ import annotations
 
@@ -7,19 +7,15 @@ import json
 import math
 from pathlib import Path
 
-import numpy as np
 import pandas as pd
 import pytest
 
-import sphsolid as sph
-from sphsolid.scenes import twisting_column
-from studies.convergence import study as convergence
-from studies.convergence.verdicts import verdict_table
-from studies.harness.cases import ROOT
-from studies.harness.front import main, parse
-from studies.harness.results import read_results
-from studies.operators import cases as operators_cases
-from studies.report.readme_table import BEGIN, END, results_table, with_table
+from studies import convergence
+from studies.engine.results import Results, read_results
+from studies.engine.sources import ROOT
+from studies.engine.study import main, parse
+from studies.measures.tables import select
+from studies.readme_table import BEGIN, END, results_table, with_table
 
 
 @pytest.fixture(scope="module")
@@ -30,8 +26,8 @@ def out(tmp_path_factory: pytest.TempPathFactory) -> Path:
         case
         for cells in (4, 8)
         for case in (
-            *convergence._of_level(cells, quick=True),
-            *convergence._nearly_incompressible(cells, ("H1",)),
+            *convergence.of_level(cells, quick=True),
+            *convergence.nearly_incompressible(cells, convergence.NEAR[::2]),
         )
     ]
     study = dataclasses.replace(convergence.STUDY, cases=lambda options: listed)
@@ -39,34 +35,29 @@ def out(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
+@pytest.fixture(scope="module")
+def results(out: Path) -> Results:
+    return read_results("convergence", out)
+
+
 def test_the_study_writes_what_it_promises(out: Path) -> None:
     for name in (
-        "table.csv", "orders.csv", "summary.csv", "convergence.png", "convergence.pdf",
-        "report.pdf", "run.json",
+        "table.csv", "orders.csv", "summary.csv", "claims.csv", "convergence.png",
+        "figures/convergence.pdf", "figures/incompressible.pdf", "report.pdf", "run.json",
     ):  # fmt: skip
         assert (out / name).stat().st_size > 0, name
-    run = json.loads((out / "run.json").read_text())
-    assert run["cases_failed"] == 0
-    assert run["version"]
+    assert json.loads((out / "run.json").read_text())["cases_failed"] == 0
 
 
-def test_the_table_has_a_row_for_each_component_of_each_run(out: Path) -> None:
-    table = pd.read_csv(out / "table.csv", keep_default_na=False)
-    for column in (
-        "scene", "family", "method", "formulation", "secondary", "operator", "field", "component",
-        "h", "particles", "steps", "error", "wall_s",
-    ):  # fmt: skip
-        assert column in table
-    assert set(table["component"]) == {
-        *"xyz", *(a + b for a in "xyz" for b in "xyz")
-    }  # fmt: skip
+def test_the_table_has_a_row_for_each_component_of_each_run(results: Results) -> None:
+    table = results.tables["table"]
+    assert set(table["component"]) == {*"xyz", *(a + b for a in "xyz" for b in "xyz")}
     assert (table.groupby([*convergence.SETTING, "h"]).size() == 12).all()
     assert (table["error"] > 0.0).all()
     assert set(table["particles"]) == {5**3, 9**3}
 
 
-def test_orders_repeat_what_the_table_says(out: Path) -> None:
-    results = read_results("convergence", out)
+def test_orders_repeat_what_the_table_says(results: Results) -> None:
     table, orders = results.tables["table"], results.tables["orders"]
     one = orders.iloc[0]
     same = table[(table[convergence.FAMILY] == one[convergence.FAMILY]).all(axis=1)]
@@ -74,18 +65,45 @@ def test_orders_repeat_what_the_table_says(out: Path) -> None:
     assert one["order_last"] == pytest.approx(math.log2(errors[0.25] / errors[0.125]), abs=1e-6)
 
 
-def test_consistent_is_second_order_and_literal_is_not_already_on_coarse_grids(out: Path) -> None:
-    summary = read_results("convergence", out).tables["summary"]
-    linear = summary[(summary["scene"] == "linear") & (summary["nu"] == 0.3)]
-    supg = linear[linear["method"] == "SUPG-SPH"]
-    assert (supg[supg["operator"] == "Consistent"]["slope_p_last"] > 1.9).all()
-    assert (supg[supg["operator"] == "Literal"]["slope_P_last"] < 1.2).all()
+def test_consistent_is_second_order_and_literal_is_not_already_on_coarse_grids(
+    results: Results,
+) -> None:
+    slope = select(results.tables["summary"], scene="linear", nu=0.3).set_index("method")
+    for method in (convergence.PACKAGE, *convergence.BY_OPERATOR["paper"]):
+        assert (slope.loc[[method.name], "slope_p_last"] > 1.9).all(), method.name
+    assert (slope.loc[["paper, Literal"], "slope_P_last"] < 1.2).all()
 
 
-def test_verdicts_name_what_was_asked_and_measured(out: Path) -> None:
-    frame = verdict_table(read_results("convergence", out)).frame
-    assert {"met", "reported"} <= set(frame["verdict"]) <= {"met", "not met", "reported"}
-    assert "momentum slope, Consistent" in set(frame["what"])
+def test_the_first_table_has_the_methods_in_the_order_of_their_meaning(results: Results) -> None:
+    first = convergence.headline(results.tables["summary"])
+    assert first["method"].tolist()[:2] == ["package default", "paper"]
+    assert first["method"].iloc[-1] == "B-bar FEM"
+    assert first.notna().all(axis=None)
+    assert "| **package default** |" in results_table(results.tables["summary"])
+
+
+def test_claims_are_of_the_worst_run_and_fall_with_the_numbers(results: Results) -> None:
+    def verdicts(summary: pd.DataFrame, table: pd.DataFrame) -> dict[tuple[str, str], str]:
+        found = convergence.claims({"summary": summary, "table": table})
+        return {(claim.what, claim.where): claim.verdict for claim in found}
+
+    summary, table = results.tables["summary"].copy(), results.tables["table"]
+    assert {"met", "reported"} <= set(verdicts(summary, table).values()) <= {
+        "met", "not met", "reported",
+    }  # fmt: skip
+    variant = (summary["method"] == "paper, {p,F,J}, H6") & (summary["family"] == "A=B=C")
+    worst = ("momentum slope, paper", "linear, A=B=C, paper, {p,F,J}, H6")
+    for slope, verdict in ((1.0, "not met"), (1.951, "met")):
+        summary.loc[variant, "slope_p_last"] = slope
+        summary.loc[~variant, "slope_p_last"] = 2.0
+        assert verdicts(summary, table)[worst] == verdict
+    summary.loc[variant, "folded"] = True
+    assert verdicts(summary, table)[worst] == "not met"
+    at_17 = table[table["h"] == 0.125].assign(h=1.0 / 16.0, error=2.61e-3)
+    errors = verdicts(summary, at_17)
+    assert errors["p_x at 17^3, nu 0.3", "package default"] == "not met"
+    assert errors["P_xx at 17^3, nu 0.3", "package default"] == "met"
+    assert errors["p_x at 17^3, nu 0.499", "paper, tau_p = 0.1 dt, {p,F,J}"] == "met"
 
 
 def test_the_readme_table_is_that_of_the_reports() -> None:
@@ -99,17 +117,6 @@ def test_the_readme_table_is_that_of_the_reports() -> None:
     assert readme.index(BEGIN) < readme.index(END)
 
 
-def test_the_twist_of_the_top_is_measured_as_turned() -> None:
-    sim = sph.Simulation(twisting_column(), spacing=0.5)
-    X = sim.cloud.X
-    angle = 0.7
-    turned = X.copy()
-    turned[:, 0] = np.cos(angle) * X[:, 0] - np.sin(angle) * X[:, 2]
-    turned[:, 2] = np.sin(angle) * X[:, 0] + np.cos(angle) * X[:, 2]
-    sim.state.x[:] = turned
-    assert operators_cases.twist_of_top(sim.snapshot()) == pytest.approx(angle, abs=1e-12)
-
-
 @pytest.mark.parametrize(
     ("words", "finest"),
     [([], 32), (["--quick"], 16), (["--quick", "--finest", "8"], 8), (["--finest", "64"], 64),
@@ -119,6 +126,7 @@ def test_the_finest_level_is_the_one_that_is_named(words: list[str], finest: int
     listed = convergence.cases(parse(convergence.STUDY, words))
     levels = {case.arguments["cells"] for case in listed}
     assert levels == {cells for cells in (4, 8, 16, 32, 64) if cells <= finest}
+    assert len({case.key for case in listed}) == len(listed)
 
 
 def test_bad_command_lines_get_one_line(capsys: pytest.CaptureFixture[str]) -> None:

@@ -8,8 +8,8 @@ import pytest
 
 import sphsolid as sph
 from sphsolid.scenes import amplitude_of_gradient, swinging_cube
-from studies.convergence.cases import LINEAR_AMPLITUDE, period_errors_of
-from studies.report.order import last_order
+from studies.measures.order import last_order
+from studies.measures.swinging_cube import LINEAR_AMPLITUDE, period_errors_of
 
 CASES: dict[str, dict[str, Any]] = {
     "A+B+C=0": {"family": "A+B+C=0", "amplitude": LINEAR_AMPLITUDE},

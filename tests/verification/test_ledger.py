@@ -15,8 +15,8 @@ import pytest
 import fem_reference as fem
 import sphsolid as sph
 from sphsolid.errors import InputError
-from sphsolid.record import Balance, EnergyLedger, MomentumDrift, Reactions
-from sphsolid.scheme import power
+from sphsolid.record import Budget, EnergyBudget, MomentumDrift, Reactions
+from sphsolid.scheme import energy_budget
 from tests.oracles.blocks import FORMULATIONS, loaded_block, pulled, spinning_block
 
 SPAN = 2.0e-3
@@ -38,17 +38,17 @@ VARIANTS: dict[str, dict[str, Any]] = {
 }
 
 
-def advanced(sim: Any, steps: int) -> Balance:
-    sim.track_balance()
+def advanced(sim: Any, steps: int) -> Budget:
+    sim.track_budget()
     for _ in range(steps):
         sim.advance(SPAN / steps)
-    balance = sim.snapshot().balance
-    assert isinstance(balance, Balance)
+    balance = sim.snapshot().budget
+    assert isinstance(balance, Budget)
     return balance
 
 
 def rest(sim: Any) -> float:
-    return EnergyLedger().record(sim.snapshot(), sim.scene)["energy_rest [J]"]
+    return EnergyBudget().record(sim.snapshot(), sim.scene)["energy_rest [J]"]
 
 
 def block(**options: Any) -> sph.Simulation:
@@ -75,8 +75,9 @@ def test_every_term_is_needed() -> None:
     )  # fmt: skip
     balance = advanced(sim, steps)
     left = abs(rest(sim))
-    for name in power.TERMS:
-        assert abs(balance.works[name]) > 20.0 * left, name
+    assert tuple(balance.works) == (*energy_budget.TERMS, "dissipation_p", "dissipation_J")
+    for name, work in balance.works.items():
+        assert abs(work) > 20.0 * left, name
 
 
 def test_absent_terms_are_exactly_zero() -> None:
@@ -125,7 +126,7 @@ def test_without_projection_the_drift_shows() -> None:
 
 def test_keeping_an_account_changes_no_bit() -> None:
     plain, tracked = block(), block()
-    tracked.track_balance()
+    tracked.track_budget()
     for sim in (plain, tracked):
         for _ in range(5):
             sim.advance(1e-5)
@@ -163,11 +164,11 @@ def test_both_solvers_feel_the_same_reactions() -> None:
 
 def test_a_recorder_without_its_account_is_refused() -> None:
     sim = block()
-    with pytest.raises(InputError, match=r"track_balance\(\)"):
-        EnergyLedger().record(sim.snapshot(), sim.scene)
+    with pytest.raises(InputError, match=r"track_budget\(\)"):
+        EnergyBudget().record(sim.snapshot(), sim.scene)
 
 
 def test_run_opens_the_account_when_a_recorder_asks() -> None:
-    history = block().run(until=2e-5, every=1e-5, record=[EnergyLedger()])
+    history = block().run(until=2e-5, every=1e-5, record=[EnergyBudget()])
     assert len(history.table) == 3
     assert history["energy_rest [J]"][0] == 0.0

@@ -6,6 +6,7 @@ A judge that cannot tell right from wrong is no evidence, however green it is.
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -19,7 +20,7 @@ from sphsolid.errors import InputError
 from sphsolid.geometry.integrals import vertex_volumes
 from sphsolid.geometry.mesh import HexMesh
 from sphsolid.scheme import galerkin
-from sphsolid.scheme.right_hand_side import RightHandSide
+from sphsolid.scheme.supg import SUPGTerm
 from sphsolid.scheme.tvd_rk2 import TVDRK2Stepper
 from tests.oracles.blocks import spinning_block
 from tests.oracles.checkers import (
@@ -104,7 +105,7 @@ def test_dissipation_spread_without_its_volumes(monkeypatch: Patch) -> None:
         q.spreading.coefficient[:] *= weight
         return q
 
-    monkeypatch.setattr("sphsolid.simulation.build_secondary", wrong)
+    monkeypatch.setattr("sphsolid.scheme.set_up.build_secondary", wrong)
     totals = force_totals(sph.PFHJ(), SUPG)
     assert totals["T"] < ROUND_OFF
     assert min(totals["D_p"], totals["D_J"]) > 1e-3
@@ -155,14 +156,12 @@ def test_a_missing_projection() -> None:
 
 def test_a_projection_of_the_coarse_stress_alone(monkeypatch: Patch) -> None:
     """The fine-scale stress makes torque too."""
-    right = RightHandSide._fine_stress
+    right = SUPGTerm.add_stress
 
-    def wrong(self: RightHandSide, *arguments: Any) -> None:
-        self.projects = False
-        right(self, *arguments)
-        self.projects = True
+    def wrong(self: SUPGTerm, stage: Any) -> None:
+        right(self, replace(stage, projects=False))
 
-    monkeypatch.setattr(RightHandSide, "_fine_stress", wrong)
+    monkeypatch.setattr(SUPGTerm, "add_stress", wrong)
     assert momentum_drift(spun())[1] > 1e-3
 
 

@@ -62,7 +62,7 @@ def bits(case: str, count: int) -> dict[str, bytes]:
     errors = [Errors()] if "cube" in case else []
     until = 20.5 * sim.stable_time_step()
     history = sim.run(until=until, every=until / 4.0, record=[Energy(), AngularMomentum(), *errors])
-    found: dict[str, Any] = {f"state {k}": v for k, v in vars(sim.state).items()}
+    found: dict[str, Any] = {f"state {k}": v for k, v in sim.state.items()}
     found |= {"kinematic": sim.cloud.gradients.kinematic, "force": sim.cloud.gradients.force}
     found |= {"P": sim.snapshot().P, "history": history.table.to_numpy()}
     assert np.all(np.isfinite(found["history"]))

@@ -15,7 +15,7 @@ import sphsolid as sph
 from sphsolid.record import (
     AngularMomentum,
     Energy,
-    EnergyLedger,
+    EnergyBudget,
     History,
     MomentumDrift,
     Reactions,
@@ -26,7 +26,7 @@ from sphsolid.record import (
 from sphsolid.scenes import HeldVelocity, punch, twisting_column
 from tests.oracles.blocks import loaded_block
 
-RECORD = (Energy(), AngularMomentum(), EnergyLedger(), MomentumDrift(), Reactions())
+RECORD = (Energy(), AngularMomentum(), EnergyBudget(), MomentumDrift(), Reactions())
 #: Every load, a driven face, disordered particles: whatever a state can depend on is there.
 MAKE: dict[str, Callable[[], Any]] = {
     "{p,F}": lambda: sph.Simulation(loaded_block(), spacing=0.25, formulation=sph.PF()),
@@ -202,7 +202,7 @@ def test_other_sources_are_refused(saved: Path, monkeypatch: pytest.MonkeyPatch)
 
 def test_an_account_cannot_be_taken_up_where_none_was_kept(saved: Path) -> None:
     sim = column()
-    sim.track_balance()
+    sim.track_budget()
     with pytest.raises(sph.InputError, match=r"no array 'account.*same recorders"):
         sim.restore(saved)
     column().restore(saved)
@@ -210,7 +210,7 @@ def test_an_account_cannot_be_taken_up_where_none_was_kept(saved: Path) -> None:
 
 @pytest.mark.parametrize("solver", [sph.Simulation, fem.Simulation])
 def test_the_account_seconds_and_steps_go_on_after_a_restart(solver: Any, tmp_path: Path) -> None:
-    ledger = (EnergyLedger(),)
+    ledger = (EnergyBudget(),)
     sim = solver(loaded_block(), spacing=0.25)
     gap = gap_of(sim)
     sim.run(until=gap, record=ledger)

@@ -11,7 +11,7 @@ import sphsolid as sph
 from sphsolid.record import Errors
 from sphsolid.record.norms import PointField, l2_norm, period_errors
 from sphsolid.scenes import Pulse, Step, cable
-from studies.report.order import fit_order
+from studies.measures.order import fit_order
 
 PERIOD = 8.0e-3
 

@@ -9,7 +9,7 @@ import pytest
 
 import sphsolid as sph
 from sphsolid.scenes import Box, Scene
-from sphsolid.scheme.power import Account
+from sphsolid.scheme.energy_budget import StageBudget
 from tests.oracles.blocks import RUBBER
 from tests.oracles.checkers import rates_at
 
@@ -37,32 +37,33 @@ def rough(*, jitter: float, weighting: Any, **options: Any) -> sph.Simulation:
     return sim
 
 
-def evaluated(sim: sph.Simulation) -> Account:
-    """The account of one evaluation, for one second."""
-    sim.track_balance()
-    account = sim._stepper.account
-    assert isinstance(account, Account)
+def evaluated(sim: sph.Simulation) -> StageBudget:
+    """The budget of one evaluation, for one second."""
+    sim.track_budget()
+    budget = sim._stepper.budget
+    assert isinstance(budget, StageBudget)
     rates_at(sim, step=DT)
-    account.stage(sim.state, sim.state.x, 1.0, 0.0)
-    return account
+    budget.stage(sim.state, sim.state.x, 1.0, 0.0)
+    return budget
 
 
 @pytest.mark.parametrize("jitter", [0.0, 0.2])
 @pytest.mark.parametrize("secondary", [sph.H1(), sph.H6()], ids=str)
 def test_its_power_is_minus_a_square(jitter: float, secondary: Any) -> None:
     sim = rough(jitter=jitter, weighting=sph.SelfAdjoint(), secondary=secondary)
-    account, q = evaluated(sim), sim.secondary
+    budget, q = evaluated(sim), sim.secondary
     assert q is not None
-    square = np.sum(q.V[:, None, None] * sim._rhs.P_fine**2) / (TAU * DT * RUBBER.kappa)
-    assert account.works[5] == pytest.approx(-square, rel=ROUND_OFF)
+    square = np.sum(q.V[:, None, None] * sim._rhs.terms[0].P_fine**2) / (TAU * DT * RUBBER.kappa)
+    assert budget.works[5] == pytest.approx(-square, rel=ROUND_OFF)
     # Without the second half the power of the same state is something else.
     printed = evaluated(rough(jitter=jitter, weighting=sph.AsPrinted(), secondary=secondary))
-    assert abs(printed.works[5] / account.works[5] - 1.0) > 1e-2
+    assert abs(printed.works[5] / budget.works[5] - 1.0) > 1e-2
 
 
 def test_neither_momentum_sees_it() -> None:
     sim = rough(jitter=0.2, weighting=sph.SelfAdjoint())
-    D = evaluated(sim)._D_p
+    evaluated(sim)
+    D = sim._rhs.terms[0].dissipation(sim._rhs.stage)
     force = sim.cloud.V[:, None] * D
     assert np.max(np.abs(force.sum(axis=0))) < ROUND_OFF * np.abs(force).sum()
     torque = np.cross(sim.state.x, force)
@@ -75,7 +76,7 @@ def test_a_rotation_is_not_damped_however_rough_the_state() -> None:
     sim._rhs.kinematic_gradient(s.x, 1.0, s.F)
     s.p[:] = 1100.0 * np.cross([1.0, 2.0, 3.0], s.x)
     rates_at(sim, step=DT)
-    assert np.max(np.abs(sim._rhs.P_fine)) < 1e-10 * TAU * DT * RUBBER.kappa
+    assert np.max(np.abs(sim._rhs.terms[0].P_fine)) < 1e-10 * TAU * DT * RUBBER.kappa
 
 
 def test_the_other_fine_scale_forms_have_no_adjoint() -> None:

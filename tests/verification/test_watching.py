@@ -19,7 +19,7 @@ import sphsolid as sph
 from sphsolid.record import (
     AngularMomentum,
     Energy,
-    EnergyLedger,
+    EnergyBudget,
     MomentumDrift,
     Progress,
     Reactions,
@@ -32,7 +32,7 @@ from tests.oracles.checkers import total_energy
 #: Share of the energy by which two ways of watching may differ.
 SAME = 2e-4
 SPAN = 4.0e-3
-RECORD = (Energy(), AngularMomentum(), EnergyLedger(), MomentumDrift(), Reactions())
+RECORD = (Energy(), AngularMomentum(), EnergyBudget(), MomentumDrift(), Reactions())
 STRAINS = sph.StabilisedStrains(tau_H=0.5, tau_J=sph.OfMesh(0.2), xi_J=0.1)
 
 
@@ -141,7 +141,7 @@ def test_who_looks_on_changes_no_bit(case: str, monkeypatch: pytest.MonkeyPatch)
     assert watched.step == alone.step
     kept_arrays = alone.state_arrays()
     for name, array in watched.state_arrays().items():
-        if not name.startswith("account."):
+        if not name.startswith("budget."):
             np.testing.assert_array_equal(array, kept_arrays[name])
 
 

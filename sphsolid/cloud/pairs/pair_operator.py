@@ -36,16 +36,20 @@ UNROLL = 4
 class PairOperator(NamedTuple):
     """``C`` coefficients a pair, ``R`` rows; unsigned indices, so that no test for a sign is made.
 
-    ``runs (T + 1,)`` where the runs of a tile begin in ``stencil``, ``base`` (what is added to a
-    row to get the particle that offsets count from, modulo 2^64), ``lane`` (first) and ``lanes``
-    (how many, a multiple of ``GRAIN``; too many are written over later); ``term (S + 1,)`` where
-    the terms of a stencil begin in ``offset`` and ``value (C, .)``; ``first (T + 1,)``
-    where the exceptions of a tile begin in ``exception (E,)``, whose pairs are
-    ``indices[indptr[e]:indptr[e + 1]]`` with ``coefficient (C, pairs)``.  ``seen (S + 1,)`` and
-    ``neighbour``: offsets of all who are seen by a stencil, those with coefficient zero included.
-    Patterns of offsets from the number ``stencils`` on have own values: ``own`` where those of a
-    run begin in ``own_value (C, .)``, neighbour by neighbour, ``lanes`` each.  ``run_of_row (R,)``
-    the run that serves a row, or the number of runs.
+    ``runs (T + 1,)`` says where the runs of a tile begin in the four arrays of runs.
+
+    * ``stencil``: the stencil of the run;
+    * ``base``: what is added to a row to get the particle that offsets count from, modulo 2^64;
+    * ``lane``: the first lane;
+    * ``lanes``: how many, a multiple of ``GRAIN``; too many are written over later.
+
+    ``term (S + 1,)`` says where the terms of a stencil begin in ``offset`` and ``value (C, .)``.
+    ``seen (S + 1,)`` says where the offsets of all whom a stencil sees begin in ``neighbour``,
+    those with coefficient zero included.  Patterns of offsets from the number ``stencils`` on have
+    own values: ``own`` says where those of a run begin in ``own_value (C, .)``, neighbour by
+    neighbour, ``lanes`` each.  ``first (T + 1,)`` says where the exceptions of a tile begin in
+    ``exception (E,)``.  Their pairs are ``indices[indptr[e]:indptr[e + 1]]`` with ``coefficient (C,
+    pairs)``.  ``run_of_row (R,)`` is the run that serves a row, or the number of runs.
     """
 
     runs: Index

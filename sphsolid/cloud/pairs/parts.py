@@ -14,8 +14,8 @@ def parts_of(pairs: PairList) -> NDArray[np.int64]:
     """Number of the part of every particle ``(N,)``, from 0, in the order of first particles.
 
     ``pairs`` is a list of the particles among themselves.  Two particles are of one part when a
-    chain of pairs leads from one to the other; every operator acts within parts only, so what
-    is undetermined in one of them (a constant, a rigid motion) is so in each by itself.
+    chain of pairs leads from one to the other.  Every operator acts within parts only.  So what is
+    undetermined in one of them (a constant, a rigid motion) is so in each by itself.
     """
     links = csr_array(
         (np.ones(pairs.pairs, dtype=np.int8), pairs.indices.astype(np.int64), pairs.indptr),

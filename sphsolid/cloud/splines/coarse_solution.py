@@ -1,11 +1,11 @@
 """Solving on a coarse space of splines: what a preconditioner needs for smooth errors.
 
 The matrix ``P^T S P`` of splines along the longest axis is one of blocks, each coupled to the few
-next ones (``PlaneMatrix``), and so is its Cholesky factor: a twentieth of the work of the dense one
-on a cube of 25 splines a side.  Its null space, polynomials that every spline space holds, is
-pinned: as many coefficients as it has dimensions get one added to their diagonal.  Where the
-right-hand side is orthogonal to the null space these coefficients come out as zero, and what is
-added changes the solution by a null vector only, which is taken out.
+next ones (``PlaneMatrix``).  So is its Cholesky factor.  On a cube of 25 splines a side that is a
+twentieth of the work of the dense one.  Its null space are polynomials that every spline space
+holds.  It is pinned: as many coefficients as it has dimensions get one added to their diagonal.
+Where the right-hand side is orthogonal to the null space, these coefficients come out as zero.
+What is added then changes the solution by a null vector only, which is taken out.
 """
 
 from __future__ import annotations
@@ -24,9 +24,9 @@ class CoarseSolution:
     """``z -> P (P^T S P)^+ P^T z`` for ``matrix = P^T S P`` with the null space ``null``.
 
     ``null (splines.size, m)`` are coefficients.  The matrix is scaled by its diagonal, or by
-    ``least (size,)`` in the order of its rows where that is larger.  ``shift`` is added to the
-    diagonal then, whose entries are one: functions that reach no particle have an empty row, and
-    other null vectors there may be must not be blown up by more than ``1 / shift``.
+    ``least (size,)`` in the order of its rows where that is larger.  Then ``shift`` is added to the
+    diagonal, whose entries are one.  It is there for functions that reach no particle, whose row is
+    empty.  It also keeps other null vectors from being blown up by more than ``1 / shift``.
 
     ``dtype`` is that of the stored factor; every application reads all of it.  ``F^T F`` with a
     rounded ``F`` is as positive as the exact one, and that is all that a preconditioner must be.

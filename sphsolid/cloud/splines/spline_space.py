@@ -1,11 +1,11 @@
 """A coarse space for smooth functions on any cloud: tensor-product cubic B-splines on a grid.
 
-The multipliers of ``summation_by_parts`` that a point-by-point preconditioner cannot see are
-smooth: values ``s_a = s(X_a)``, slopes ``grad s(X_a) / 2`` and curvatures ``grad grad s(X_a) / 6``
-of one function ``s``, for which the system's form is zero whenever ``s`` is cubic.  Splines on a
-grid of a few spacings represent them on clouds of any kind without a mesh or aggregates, and hold
-all quadratics exactly.  ``Splines`` evaluates (:meth:`Splines.prolong`), tests
-(:meth:`Splines.restrict`, the transpose) and gives the coefficients of the quadratics.
+A point-by-point preconditioner does not see all multipliers of ``summation_by_parts``.  Those that
+it cannot see are smooth: values ``s_a = s(X_a)``, slopes ``grad s(X_a) / 2`` and curvatures ``grad
+grad s(X_a) / 6`` of one function ``s``.  Whenever ``s`` is cubic, the system's form is zero for
+them.  Splines on a grid of a few spacings represent them on clouds of any kind, without a mesh or
+aggregates.  They hold all quadratics exactly.  ``Splines`` evaluates (:meth:`Splines.prolong`),
+tests (:meth:`Splines.restrict`, the transpose) and gives the coefficients of the quadratics.
 """
 
 from __future__ import annotations

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from fem_reference.account import NoAccount
-from fem_reference.central_difference import central_difference_step
+from fem_reference.central_difference import Motion, central_difference_step
+from fem_reference.energy_budget import NoBudget
 from fem_reference.essential import EssentialConditions
 from sphsolid.scenes import Box, Constraint
 
@@ -24,8 +24,9 @@ def oscillate(steps: int, end: float = 5.0) -> tuple[float, float]:
     drift = 0.0
     for n in range(steps):
         central_difference_step(
-            x, v, a, t=n * dt, dt=dt, accelerate=accelerate, essential=FREE, account=NoAccount()
-        )
+            Motion(x, v, a), t=n * dt, dt=dt, accelerate=accelerate, essential=FREE,
+            budget=NoBudget(),
+        )  # fmt: skip
         drift = max(drift, abs(float(x[0, 0] ** 2 + v[0, 0] ** 2) - 1.0))
     return abs(float(x[0, 0]) - np.cos(end)), drift
 

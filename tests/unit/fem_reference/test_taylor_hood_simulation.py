@@ -13,7 +13,7 @@ from fem_reference.mesh import scikit_fem_mesh
 from sphsolid.compiled import set_threads, threads
 from sphsolid.continuum import NeoHookean
 from sphsolid.errors import Diverged, InputError
-from sphsolid.record import EnergyLedger, MomentumDrift, Probe, RunFolder, Snapshot
+from sphsolid.record import EnergyBudget, MomentumDrift, Probe, RunFolder, Snapshot
 from sphsolid.scenes import Box, Constraint, Scene, Traction, swinging_cube
 from tests.oracles.blocks import (
     FACES,
@@ -96,16 +96,16 @@ def test_the_account_closes_with_second_order() -> None:
     left = []
     for steps in (120, 240):
         sim = loaded()
-        sim.track_balance()
+        sim.track_budget()
         for _ in range(steps):
             sim.advance(6e-4 / steps)
         end = sim.snapshot()
-        row = EnergyLedger().record(end, sim.scene)
+        row = EnergyBudget().record(end, sim.scene)
         left.append(abs(row["energy_rest [J]"]))
         drift = MomentumDrift().record(end, sim.scene)
         assert drift["linear_drift [kg m/s]"] < 1e-12 * drift["linear_scale [kg m/s]"]
         assert drift["angular_drift [kg m^2/s]"] < 1e-12 * drift["angular_scale [kg m^2/s]"]
-    assert left[1] < 1e-3 * sum(abs(work) for work in end.balance.works.values())
+    assert left[1] < 1e-3 * sum(abs(work) for work in end.budget.works.values())
     assert np.log2(left[0] / left[1]) > 1.8
 
 
@@ -117,7 +117,7 @@ def test_a_resumed_run_has_the_bits_of_a_whole_one(jitter: float, tmp_path: Path
 
     whole, first, second = make(), make(), make()
     gap = 3.3 * whole.stable_time_step()
-    record = [EnergyLedger(), MomentumDrift()]
+    record = [EnergyBudget(), MomentumDrift()]
 
     def run(sim: fem.Simulation, records: int, folder: Path, **options: bool) -> None:
         output = RunFolder(folder, **options)

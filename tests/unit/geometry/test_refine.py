@@ -13,7 +13,7 @@ from sphsolid.geometry.body import AS_MESHED
 from sphsolid.geometry.delaunay import open_facets
 from sphsolid.geometry.integrals import area_vectors, cell_volumes_and_centroids, vertex_volumes
 from sphsolid.geometry.refine import Refined, refined
-from studies.harness.cases import ROOT
+from studies.engine.sources import ROOT
 
 MESHES = {
     "jittered": Box(upper=(1.0, 0.8, 1.2), jitter=0.5, seed=3).mesh(0.25),

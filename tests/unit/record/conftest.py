@@ -95,7 +95,7 @@ class FakeSolver:
     def go_on_from(self, totals) -> None:
         self.seconds = totals["run_seconds"]
 
-    def track_balance(self) -> None:
+    def track_budget(self) -> None:
         self.tracks = True
 
     def state_arrays(self):

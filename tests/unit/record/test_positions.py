@@ -32,7 +32,7 @@ from sphsolid.record import (
 )
 from sphsolid.record.march import march
 from sphsolid.record.positions import UNSEEN_LARGEST_LIMIT, UNSEEN_RMS_LIMIT
-from sphsolid.record.progress import line
+from sphsolid.record.progress import state
 from sphsolid.record.turned_cells import LEAST_SHAPE
 from sphsolid.scenes import twisting_column
 
@@ -326,8 +326,8 @@ def test_progress_and_run_json_say_it(fake_solver, tmp_path):
     text = (tmp_path / "run" / "run.json").read_text()
     assert '"verdict": "folded: 100 % of the cells are inside out' in text
     assert '"folded_since_s": 0.2' in text
-    assert "positions folded since t = 0.2 s" in line(told[-1])
-    assert "folded" not in line(told[0])
+    assert "positions folded since t = 0.2 s" in state(told[-1])
+    assert "folded" not in state(told[0])
 
 
 def test_a_resumed_run_says_it_again_and_only_once(fake_solver, tmp_path):

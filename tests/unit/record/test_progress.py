@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import math
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -11,7 +12,8 @@ import pytest
 
 from sphsolid.errors import Diverged
 from sphsolid.record import Progress, ProgressLine, march
-from sphsolid.record.progress import TICK, Pace, duration, line
+from sphsolid.record.display import Display, duration
+from sphsolid.record.progress import TICK, Pace, state
 from sphsolid.scenes import Constraint, NoBodyForce, Traction, swinging_cube
 
 
@@ -70,7 +72,7 @@ def test_energy_of_a_driven_body_is_said_and_not_compared(what, fake_solver):
         solver, told = fake_solver(scene=replace(free, **changes)), []
         solver.time = 0.5
         march(solver, until=1.0, progress=told.append)
-        last = line(told[-1])
+        last = state(told[-1])
         assert told[-1].driven == driven
         assert ("energy change" in last) != driven
         assert last.endswith("energy 3 J") == driven
@@ -120,27 +122,28 @@ def changed(**new):
 
 
 def test_the_line_says_all_of_it():
-    assert line(NOW) == (
-        " 20.0 %  t = 0.02 of 0.1 s, 40 steps, dt 0.0005 s, 12.5 steps/s, 2 min 05 s left, "
+    assert state(NOW) == (
+        "t = 0.02 of 0.1 s, 40 steps, dt 0.0005 s, 12.5 steps/s, 2 min 05 s left, "
         "energy change -0.5 %"
     )
-    assert "8.0 s taken" in line(changed(over=True))
+    assert "8.0 s taken" in state(changed(over=True))
     # Where loads or dissipation act a change is no error, so the word drift is not used.
-    assert "drift" not in line(NOW)
+    assert "drift" not in state(NOW)
 
 
 def test_a_body_that_starts_at_rest_has_no_relative_change():
-    assert line(changed(start_energy=0.0, energy=3.0e4)).endswith("energy 3e+04 J")
-    assert line(changed(driven=True)).endswith("energy 199 J")
-    assert line(changed(start_energy=1e-9, energy=3.0e4)).endswith("energy 3e+04 J")
+    assert state(changed(start_energy=0.0, energy=3.0e4)).endswith("energy 3e+04 J")
+    assert state(changed(driven=True)).endswith("energy 199 J")
+    assert state(changed(start_energy=1e-9, energy=3.0e4)).endswith("energy 3e+04 J")
     nothing = changed(start_energy=math.nan, energy=math.nan, steps_per_second=math.nan)
-    assert line(nothing).endswith("dt 0.0005 s")
+    assert state(nothing).endswith("dt 0.0005 s")
 
 
 @pytest.mark.parametrize(
     ("seconds", "text"),
-    [(0.04, "0.0 s"), (59.9, "59.9 s"), (60.0, "1 min 00 s"), (3725.0, "1 h 02 min")],
-)
+    [(None, "?"), (math.nan, "?"), (0.04, "0.0 s"), (59.9, "59.9 s"), (60.0, "1 min 00 s"),
+     (3725.0, "1 h 02 min")],
+)  # fmt: skip
 def test_durations(seconds, text):
     assert duration(seconds) == text
 
@@ -150,19 +153,36 @@ class Terminal(io.StringIO):
         return True
 
 
-def test_a_terminal_gets_one_line_that_changes(monkeypatch):
+@pytest.fixture
+def screen(monkeypatch):
     monkeypatch.setenv("COLUMNS", "60")
-    screen = Terminal()
+    monkeypatch.setenv("TERM", "xterm")
+    return Terminal()
+
+
+def lines_of(screen):
+    """What was drawn, without colours and movements of the cursor."""
+    return re.split(r"\x1b\[[0-9;?]*[A-Za-z]|[\r\n]", screen.getvalue())
+
+
+def test_a_terminal_gets_one_line_that_changes(screen):
     show = ProgressLine(stream=screen)
     for step in (1, 2, 3):
         show(changed(step=step, over=step == 3))
-    text = screen.getvalue()
-    assert text.count("\n") == 1
-    assert text.endswith("\n")
-    lines = text.rstrip("\n").split("\r")[1:]
-    # Cut and filled to the width, so that no line wraps and no rest of an old one is left.
-    assert [len(shown) for shown in lines] == [59, 59, 59]
-    assert lines[1].startswith(" 20.0 %  t = 0.02 of 0.1 s, 2 steps")
+    drawn = [text for text in lines_of(screen) if "steps" in text]
+    assert all(len(text) <= 60 for text in drawn)
+    for step in (1, 2, 3):
+        assert any(f" t = 0.02 of 0.1 s, {step} steps" in text for text in drawn)
+    assert screen.getvalue().endswith("\x1b[?25h"), "the cursor is shown again"
+
+
+def test_a_line_that_stays_goes_above_the_bar(screen):
+    display = Display(stream=screen)
+    display.show(10.0, "one [of] two", at=0.0)
+    display.say("[news]")
+    display.show(20.0, "two [of] two", at=1.0, last=True)
+    drawn = "".join(lines_of(screen))
+    assert drawn.index("one [of] two") < drawn.index("[news]") < drawn.index("two [of] two")
 
 
 def test_a_log_gets_a_line_now_and_then_and_the_last():

@@ -11,7 +11,7 @@ import pytest
 from sphsolid.errors import InputError
 from sphsolid.record import (
     Energy,
-    EnergyLedger,
+    EnergyBudget,
     NoOutput,
     Probe,
     ProgressLine,
@@ -59,7 +59,7 @@ def test_numbers_of_numpy_and_any_iterable_are_fine(fake_solver):
 def test_recorders_that_need_it_get_an_account(fake_solver):
     solver = fake_solver()
     with pytest.raises(InputError, match="needs the account"):
-        march(solver, until=0.1, record=[EnergyLedger()])
+        march(solver, until=0.1, record=[EnergyBudget()])
     assert solver.tracks
 
 

@@ -72,8 +72,8 @@ def test_a_scene_refuses_what_is_no_part_of_it(parts, named):
         ({"stabilisation": sph.NoStabilisation}, r"write NoStabilisation\(\)"),
         ({"operator": sph.Literal}, "operator = Literal is a class"),
         ({"smoothing": sph.WendlandC2}, "smoothing = WendlandC2 is a class"),
-        ({"integrator": "rk2"}, "integrator = 'rk2' is not an option object"),
-        ({"stabilisation": "none"}, "stabilisation = 'none' is unknown"),
+        ({"integrator": "rk2"}, "integrator = 'rk2' cannot be used: it has no name, stages"),
+        ({"stabilisation": "none"}, "stabilisation = 'none' cannot be used: it has no name"),
         ({"h_over_dx": "0.77"}, "h_over_dx = '0.77' is not a number"),
     ],
 )

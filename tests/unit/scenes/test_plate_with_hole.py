@@ -10,7 +10,7 @@ import fem_reference as fem
 from sphsolid.errors import InputError
 from sphsolid.geometry import AsMeshed, MeshFile
 from sphsolid.scenes import SlowPull, gross_concentration, plate_with_hole
-from studies.plate_with_hole.cases import MESHES
+from studies.meshes import MESHES
 
 HEX = MeshFile(MESHES / "plate_with_hole_hex.msh")
 TET = MeshFile(MESHES / "plate_with_hole_tet.msh")

@@ -15,6 +15,7 @@ from sphsolid.continuum import law
 from sphsolid.continuum.tensor import Tensor, contract, scale
 from sphsolid.fields import as_field, components, scalar_field, tensor_field, vector_field
 from sphsolid.scheme import fine_scale, pressure
+from sphsolid.scheme.fine_scale import Coefficients, Evolved, Forms, Matched, Rates, Simplified
 from sphsolid.scheme.tile import make_scratch
 from tests.oracles import numpy_sph
 
@@ -117,8 +118,8 @@ def test_the_simplified_kernel_is_eq_27(projects: bool) -> None:
     fine, F_x = tensor_field(M), tensor_field(M)
     density = 2.0
     fine_scale.simplified(
-        operator(d.pairs, d.sample, N), density, tau_gamma, xi_alpha, projects, True,
-        *rows(density * d.v, d.x, d.F, d.Fdot, fine, F_x), make_scratch(),
+        operator(d.pairs, d.sample, N), Simplified(density, tau_gamma, xi_alpha, True), projects,
+        Matched(*rows(density * d.v, d.x, d.F, d.Fdot)), *rows(fine, F_x), make_scratch(),
     )  # fmt: skip
     options = numpy_sph.Options("F", "simplified", tau=(0.7, 0, 0), xi=(0.2, 0, 0))
     P_fine, exact = expected(d, options, projects)
@@ -131,12 +132,13 @@ def general(d: Data, material: object, options: numpy_sph.Options, projects: boo
     compiled = isinstance(material, sph.MooneyRivlin)
     kernel = fine_scale.general if compiled else fine_scale.general.py_func
     fine, F_x = tensor_field(M), tensor_field(M)
+    H, Hdot = (d.H, d.Hdot) if "H" in options.evolved else (tensor_field(0), tensor_field(0))
+    J, Jdot = (d.J, d.Jdot) if "J" in options.evolved else (scalar_field(0), scalar_field(0))
     kernel(
-        operator(d.pairs, d.sample, N), material, options.form == "strains",
-        np.array(options.tau) * DT, np.array(options.xi), MATERIAL.mu, projects,
-        "H" in options.evolved, "J" in options.evolved,
-        *rows(material.density * d.v, d.x, d.F, d.H, d.J, d.Fdot, d.Hdot, d.Jdot, fine, F_x),
-        make_scratch(),
+        operator(d.pairs, d.sample, N), material, Forms(options.form == "strains", projects),
+        Coefficients(*(np.array(options.tau) * DT).tolist(), *options.xi, MATERIAL.mu),
+        Evolved(*rows(material.density * d.v, d.x, d.F, H, J)),
+        Rates(*rows(d.Fdot, Hdot, Jdot, fine, F_x)), make_scratch(),
     )  # fmt: skip
     return fine
 

@@ -88,7 +88,7 @@ def test_all_formulations_are_one_method_without_stabilisation() -> None:
 def test_it_runs_back_to_where_it_came_from(formulation: Any) -> None:
     """Time-reversible: with ``-p`` the same steps lead back, at any size of step."""
     sim = build(spinning_block(), formulation=formulation)
-    start = {name: array.copy() for name, array in vars(sim.state).items()}
+    start = {name: array.copy() for name, array in sim.state.items()}
     for _ in range(2):
         for _ in range(30):
             sim.advance(timing.SPAN / 30)
@@ -185,7 +185,7 @@ def test_a_checkpoint_is_all_there_is_to_know(case: str, tmp_path: Path) -> None
 def test_a_state_changed_from_outside_is_seen() -> None:
     one, other = build(spinning_block()), build(spinning_block())
     one.advance(1.0e-5)
-    for name, array in vars(one.state).items():
+    for name, array in one.state.items():
         getattr(other.state, name)[:] = array
     for sim in (one, other):
         sim.state.p[3] += 500.0

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import sphsolid as sph
-from sphsolid.record import Balance, EnergyLedger
+from sphsolid.record import Budget, EnergyBudget
 from sphsolid.scenes import Box, Scene
 from tests.oracles import timing
 from tests.oracles.blocks import FORMULATIONS, RUBBER, loaded_block, spinning_block
@@ -22,7 +22,7 @@ after = partial(timing.after, integrator=VERLET)
 
 
 def rest(sim: sph.Simulation) -> float:
-    return abs(EnergyLedger().record(sim.snapshot(), sim.scene)["energy_rest [J]"])
+    return abs(EnergyBudget().record(sim.snapshot(), sim.scene)["energy_rest [J]"])
 
 
 @pytest.mark.parametrize("formulation", FORMULATIONS, ids=lambda f: f.name)
@@ -37,8 +37,8 @@ def test_the_ledger_holds_with_every_load(formulation: Any) -> None:
     left = []
     for steps in (40, 80):
         sim = after(loaded_block(), steps, formulation=formulation, stabilisation=DAMPED)
-        balance = sim.snapshot().balance
-        assert isinstance(balance, Balance)
+        balance = sim.snapshot().budget
+        assert isinstance(balance, Budget)
         left.append(rest(sim) / sum(abs(work) for work in balance.works.values()))
     assert left[1] < 1e-3
     assert left[0] / left[1] > 1.9

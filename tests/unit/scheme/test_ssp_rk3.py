@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import sphsolid as sph
-from sphsolid.record import Balance, EnergyLedger, MomentumDrift
+from sphsolid.record import Budget, EnergyBudget, MomentumDrift
 from sphsolid.scenes import Box, Scene, Traction
 from sphsolid.scheme import ssp_rk3
 from tests.oracles import timing
@@ -77,15 +77,15 @@ def test_the_ledger_closes_with_the_order_of_the_method(formulation: Any) -> Non
     left = []
     for steps in (40, 80):
         sim = after(spinning_block(), steps, formulation=formulation, stabilisation=sph.SUPG())
-        left.append(abs(EnergyLedger().record(sim.snapshot(), sim.scene)["energy_rest [J]"]))
+        left.append(abs(EnergyBudget().record(sim.snapshot(), sim.scene)["energy_rest [J]"]))
     assert np.log2(left[0] / left[1]) > (2.8 if formulation.evolves_F else 1.9)
 
 
 def test_the_ledger_holds_with_every_load() -> None:
     sim = after(loaded_block(), 80, stabilisation=sph.SUPG())
-    balance = sim.snapshot().balance
-    assert isinstance(balance, Balance)
-    rest = abs(EnergyLedger().record(sim.snapshot(), sim.scene)["energy_rest [J]"])
+    balance = sim.snapshot().budget
+    assert isinstance(balance, Budget)
+    rest = abs(EnergyBudget().record(sim.snapshot(), sim.scene)["energy_rest [J]"])
     assert rest < 1e-4 * sum(abs(work) for work in balance.works.values())
 
 

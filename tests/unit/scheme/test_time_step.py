@@ -13,7 +13,6 @@ import sphsolid as sph
 from sphsolid.errors import Diverged, InputError
 from sphsolid.scenes import swinging_cube
 from sphsolid.scheme.right_hand_side import State
-from sphsolid.scheme.tile import make_scratch
 from sphsolid.scheme.time_step import TimeStep, check_cfl
 from tests.oracles.blocks import spinning_block
 from tests.oracles.laws import LAWS
@@ -31,11 +30,12 @@ def rotation() -> Array:
 def stable(F: Array, *, J: Array | None = None, p: Array | None = None, cfl: float = 0.3) -> float:
     """The step of ``N`` particles, ``h_min = 0.1`` m, ``c_p = 50`` m/s, at 0.25 s, step 17."""
     rule = TimeStep(cfl=cfl, h_min=0.1, wave_speed=50.0, size=N)
-    state = State.zeros(N, sph.PF() if J is None else sph.PFJ(), particle_major=False)
+    formulation = sph.PF() if J is None else sph.PFJ()
+    state = State.zeros(formulation.fields, N, particle_major=False)
     state.F[:] = F
     state.p[:] = 0.0 if p is None else p
     state.J[:] = 0.0 if J is None else J
-    return rule.stable(J is not None, state, X, 0.25, 17, make_scratch())
+    return rule.stable(state, X, 0.25, 17)
 
 
 def undeformed() -> Array:

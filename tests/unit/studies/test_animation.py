@@ -12,7 +12,7 @@ from sphsolid.errors import InputError
 from studies.animation import main, write_gif
 from studies.pictures.colours import limits
 from studies.pictures.panels import Layout
-from studies.pictures.shots import Lost, ShotFolder, save_shot
+from studies.pictures.shots import HasDiverged, ShotFolder
 from studies.pictures.surface import Surface
 from tests.oracles.frames import box_shot, twisted
 
@@ -55,9 +55,9 @@ def test_the_file_repeats(tmp_path, frames):
     assert a == b
 
 
-def test_methods_run_beside_each_other_and_one_may_be_lost(tmp_path, frames):
+def test_methods_run_beside_each_other_and_one_may_diverge(tmp_path, frames):
     rows = [[shot, column(k, "another")] for k, shot in enumerate(frames)]
-    rows[-1][1] = Lost("another", frames[-1].time, lost_at=0.055)
+    rows[-1][1] = HasDiverged("another", frames[-1].time, diverged_at=0.055)
     path = write_gif(rows, tmp_path / "a.gif", colours=limits(rows), **LOOK)
     with Image.open(path) as gif:
         assert gif.n_frames == 7
@@ -71,7 +71,7 @@ def test_stored_frames_from_the_command_line(tmp_path, frames, capsys):
     folder = ShotFolder(tmp_path / "shots")
     for key in ("one", "two"):
         for shot in frames[: 4 if key == "one" else 3]:
-            save_shot(folder.file(key, shot.time), shot)
+            folder.save_frame(key, shot)
     given = ["--shots", str(folder.path), "--gif", str(tmp_path / "a.gif")]
     assert main([*given, "--key", "one"]) == 0
     assert capsys.readouterr().out.startswith("wrote a.gif: 4 pictures")
@@ -85,7 +85,7 @@ def test_stored_frames_from_the_command_line(tmp_path, frames, capsys):
 
 
 def test_nothing_to_show_is_refused(tmp_path, frames):
-    for given in ([], [[]], [[Lost("a", 0.0, 0.0)]]):
+    for given in ([], [[]], [[HasDiverged("a", 0.0, 0.0)]]):
         with pytest.raises(InputError):
             write_gif(given, tmp_path / "a.gif", colours=limits(frames))
     with pytest.raises(InputError, match="per_second"):

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from sphsolid.errors import InputError
-from studies.report.extrapolate import extrapolate, sign_changes
+from studies.measures.extrapolate import extrapolate, sign_changes
 
 H = 1.0 / np.array([3.0, 4.0, 5.0, 6.0, 8.0, 10.0])
 
@@ -29,6 +29,12 @@ def test_the_uncertainty_holds_the_limit_of_what_it_does_not_fit():
     for power, size in ((3, 1.0), (4, 30.0), (6, 100.0)):
         found = extrapolate(H, 5.9 + 2.0 * H**2 - size * H**power)
         assert abs(found.value - 5.9) <= found.within + 1e-12, power
+
+
+def test_the_uncertainty_holds_the_limit_of_a_first_order_method():
+    for slope, curve in ((1.0, 0.0), (-2.0, 0.0), (0.5, 0.3)):
+        found = extrapolate(H, 5.9 + slope * H + curve * H**2)
+        assert abs(found.value - 5.9) <= found.within + 1e-12, slope
 
 
 def test_a_sequence_that_crosses_its_limit_is_not_taken_for_it():

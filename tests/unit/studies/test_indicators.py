@@ -11,7 +11,7 @@ import pytest
 import fem_reference as fem
 import sphsolid as sph
 from sphsolid.scenes import twisting_column
-from studies.report.indicators import pressure_noise, pressure_range, twist_of_top, whole_turns
+from studies.measures.indicators import pressure_noise, pressure_range, twist_of_top, whole_turns
 
 SCENE = twisting_column()
 SOLVERS = {

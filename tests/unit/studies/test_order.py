@@ -7,7 +7,7 @@ import pandas as pd
 import pytest
 
 from sphsolid.errors import InputError
-from studies.report.order import fit_order, last_order, order_table
+from studies.measures.order import fit_order, last_order, order_table
 
 
 @pytest.mark.parametrize("order", [1.0, 1.7, 3.0])

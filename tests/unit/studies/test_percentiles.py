@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from sphsolid.errors import InputError
-from studies.report.percentiles import weighted_percentile
+from studies.measures.percentiles import weighted_percentile
 
 SHARES = (0.0, 1.0, 25.0, 50.0, 99.0, 100.0)
 
@@ -67,6 +67,11 @@ def test_mirrored_values_have_mirrored_percentiles():
     values, weights = rng.normal(size=60), rng.integers(1, 9, size=60) / 8.0
     low, high = weighted_percentile(values, weights, [1.0, 99.0])
     assert weighted_percentile(-values, weights, [1.0, 99.0]).tolist() == [-high, -low]
+
+
+def test_the_ends_are_the_ends_however_little_they_weigh():
+    values, weights = [-5.0, 0.0, 1.0, 7.0], [1e-15, 1.0, 1.0, 1e-15]
+    assert weighted_percentile(values, weights, [0.0, 100.0]).tolist() == [-5.0, 7.0]
 
 
 def test_what_has_no_volume_does_not_count():

@@ -11,7 +11,7 @@ import fem_reference as fem
 import sphsolid as sph
 from sphsolid.errors import InputError
 from sphsolid.scenes import twisting_column
-from studies.report.places import cell_means_at_vertices, in_cells
+from studies.measures.places import cell_means_at_vertices, in_cells
 
 SCENE = twisting_column()
 SOLVERS = {

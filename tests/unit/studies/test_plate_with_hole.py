@@ -6,11 +6,14 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from sphsolid.errors import InputError
 from sphsolid.geometry import AsMeshed, MeshFile
-from studies.plate_with_hole.cases import FEM, INSTANTS, MESHES, SPH, run_case
+from studies import plate_with_hole as study
+from studies.engine.results import Results
+from studies.meshes import MESHES
+from studies.methods import B_BAR, PACKAGE
 from studies.plate_with_hole.plane import plane_stress_over_pull
 from studies.plate_with_hole.recovery import at_cells, fitted
-from studies.plate_with_hole.verdicts import verdicts
 
 
 def kirsch(X, a=0.1):
@@ -46,35 +49,58 @@ def test_the_plane_reference_converges_and_meets_kirsch_for_a_small_hole():
 
 
 @pytest.mark.parametrize(
-    ("off", "folded", "met"),
+    ("off", "folded", "verdict"),
     [(0.02, False, "met"), (-0.04, False, "not met"), (0.02, True, "not met")],
 )
-def test_verdicts(off, folded, met):
-    row = {"method": "SPH", "operator": "o", "mesh": "hex", "thickness": "free"}
-    row |= {"folded": folded}
-    values = {"against_fit": off, "against_particles": np.nan, "against_highest": np.nan,
-              "against_ring": np.nan}  # fmt: skip
-    found = verdicts({"table": pd.DataFrame([row | values])})
-    assert found["met"].tolist() == [met]
+def test_claims(off, folded, verdict):
+    nothing = dict.fromkeys(study.COMPARED, np.nan) | {"folded": folded}
+    runs = [
+        {"method": PACKAGE.name, "key": "a", **nothing, "against_fit": off},
+        {"method": B_BAR.name, "key": "b", **nothing, "against_fit": 0.0},
+    ]
+    [claim] = study.claims({"table": pd.DataFrame(runs)})
+    assert claim.verdict == verdict
+    assert claim.shown == f"{off:+.2%}"
 
 
-@pytest.mark.parametrize(("method", "operator"), [(FEM, "-"), (SPH, "SummationByParts")])
-def test_a_short_pull_from_end_to_end(method, operator, tmp_path):
+def planted(method, edge, highest, ring):
+    """Rows of a run in plane strain with these concentrations."""
+    common = {"key": method.name, "method": method.name, "mesh": "hex", "thickness": "free"}
+    value = {"kind": "value", "edge_fit": edge, "highest_fit": edge, "edge_particles": edge,
+             "highest_particles": highest, "folded": False}  # fmt: skip
+    curve = [{"kind": "ring", "angle": float(k), "stress": ring + k} for k in (1, 0)]
+    return [common | row for row in (value, *curve)]
+
+
+def test_differences_are_relative_to_the_elements():
+    rows = [*planted(B_BAR, 3.0, 3.0, 1.0), *planted(PACKAGE, 3.3, 3.6, 1.1)]
+    table = study.tables(rows)["table"].set_index("method")
+    assert table.loc[B_BAR.name, list(study.COMPARED)].isna().all()
+    found = table.loc[PACKAGE.name, list(study.COMPARED)].astype(float)
+    np.testing.assert_allclose(found, [0.1, 0.1, 0.2, 0.05])
+
+
+@pytest.mark.parametrize("method", [B_BAR, PACKAGE], ids=lambda method: method.name)
+def test_a_short_pull_from_end_to_end(method, tmp_path):
     """Too short to reach the hole, long enough for every number of the report to be there."""
-    rows = run_case(
-        key="short", method=method, operator=operator, mesh="hex", thickness="plane_strain",
-        rise=0.02, hold=0.02, shots=str(tmp_path),
-    )  # fmt: skip
+    rows = study.run_plate(
+        method=method, mesh="hex", thickness="plane_strain", rise=0.02, hold=0.02
+    )
     kinds = pd.Series([row["kind"] for row in rows]).value_counts()
     assert kinds["value"] == 1
     assert kinds["ligament"] > 10
     assert kinds["ring"] > 10
     value = rows[0]
-    assert value["steps"] >= INSTANTS
+    assert value["steps"] >= study.INSTANTS
     assert np.isfinite(value["edge_fit"])
-    assert np.isfinite(value["edge_particles"]) == (method == SPH)
+    assert np.isfinite(value["edge_particles"]) == (method == PACKAGE)
     # The end that is pulled is at 5 radii: nothing has arrived at the hole.
     assert abs(value["edge_fit"]) < 1e-3
-    stress = np.array([row["stress"] for row in rows if row["kind"] == "ligament"])
-    assert np.isfinite(stress).all()
-    assert (tmp_path / "short.npz").exists()
+    tables = study.tables(rows)
+    assert np.isfinite(tables["ligament"]["stress"]).all()
+    mesh = study.mesh_of("hex").mesh(AsMeshed())
+    assert tables["front"]["vertex"].tolist() == mesh.face_particles("front").tolist()
+    nothing = tables | {"front": tables["front"][:0]}
+    assert study.plate_figure(Results(tmp_path, tables, pd.DataFrame(), {}))
+    with pytest.raises(InputError, match=r"front\.csv is empty"):
+        study.plate_figure(Results(tmp_path, nothing, pd.DataFrame(), {}))

@@ -1,11 +1,10 @@
-"""The punch study on a lattice of 11x6x2 points: rows, tables, document, a run that is lost."""
+"""The punch study: rows and tables of runs on 11x6x2 points, claims on tables made up for it."""
 
 from __future__ import annotations
 
 import argparse
-import json
-from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -13,187 +12,295 @@ import pytest
 
 import sphsolid as sph
 from sphsolid.errors import InputError
-from studies.harness.cases import ROOT
-from studies.harness.results import Results
-from studies.pictures.shots import Lost, Shot, ShotFolder
-from studies.punch import cases as punch_cases
-from studies.punch import cost as punch_cost
-from studies.punch import study as punch
-from studies.punch import tables as punch_tables
-from studies.punch.methods import DISPLACEMENT, FEM, GALERKIN, H1, H6, METHODS, TOOLKIT, toolkit
-from studies.report.document import Document, Figure
+from studies.engine.claims import Claim
+from studies.engine.results import Results, Tables
+from studies.methods import B_BAR, PACKAGE
+from studies.pictures.frame import HasDiverged
+from studies.pictures.shots import ShotFolder
+from studies.punch import STUDY, cases, runs
+from studies.punch.claims import claims
+from studies.punch.figures import PICTURES
+from studies.punch.runs import (
+    CLASSICAL,
+    COMPARED,
+    CONSISTENT,
+    DEFAULTS,
+    GALERKIN,
+    H1,
+    H6,
+    H6_NO_TAU_P,
+    HELD,
+    INITIAL,
+    WIDE,
+    WITHOUT_TAU_F,
+    run_case,
+    run_cost,
+)
+from studies.punch.tables import COST, MEASURED, RUN, tables
 
 CELLS = 10
 
 
-def _rows(shots: Path, press: str, method: str, until: float = 0.015, cells: int = CELLS):
-    operator = "-" if method == FEM else "Consistent"
-    return punch_cases.run_case(
-        key=f"{press} {method} {cells}", press=press, method=method, operator=operator,
-        cells=cells, until=until, shots=str(shots), shot_times=[0.005, 0.01, 0.015],
-        label=method,
+def _rows(shots: Path, reading, method, cells=CELLS):
+    return run_case(
+        key=f"{reading.name} {method.name} {cells}", reading=reading, method=method,
+        operator=None if method == B_BAR else CONSISTENT, cells=cells, until=COMPARED,
+        shots=str(shots), shot_times=(0.005, 0.01, 0.015),
     )  # fmt: skip
 
 
 @pytest.fixture(scope="module")
 def results(tmp_path_factory: pytest.TempPathFactory) -> Results:
-    """Five methods, three of them in both readings, to 15 ms, as the front would hand them on."""
+    """Six methods, three of them in both readings, to 15 ms, as a run would leave them."""
     out = tmp_path_factory.mktemp("punch")
+    methods = {INITIAL: (B_BAR, CLASSICAL, GALERKIN, H6_NO_TAU_P, H6, H1), HELD: (B_BAR, H6, H1)}
     rows = [
         row
-        for press, methods in (
-            ("initial", (FEM, DISPLACEMENT, GALERKIN, H6, H1)), ("held", (FEM, H6, H1)),
-        )
-        for method in methods
-        for row in _rows(out / "shots", press, method)
+        for reading, some in methods.items()
+        for method in some
+        for row in _rows(out / "shots", reading, method)
     ]
-    rows += _rows(out / "shots", "initial", FEM, cells=2 * CELLS)
-    rows += punch_cost.run_case(key="cost", tau_p=0.1, cells=CELLS, repeats=2, work=1e3)
-    run = json.loads((ROOT / "reports" / "convergence" / "run.json").read_text())
-    return Results(out, punch.tables(rows), pd.DataFrame(), run)
+    rows += _rows(out / "shots", INITIAL, B_BAR, cells=2 * CELLS)
+    rows += run_cost(key="cost", tau_p=0.1, cells=CELLS, repeats=2, work=1e3)
+    made = tables(rows)
+    STUDY.keep(out, made)
+    return Results(out, made, pd.DataFrame(), {})
 
 
-def _one(results: Results, press: str, method: str) -> pd.Series:
+def _one(results: Results, reading, method) -> pd.Series:
     table = results.tables["table"]
-    found = table[(table["press"] == press) & (table["method"] == method)]
+    found = table[(table["press"] == reading.name) & (table["method"] == method.name)]
     return found.sort_values("cells").iloc[0]
 
 
 def test_every_run_has_a_row_with_all_that_was_measured(results: Results) -> None:
     table = results.tables["table"]
-    assert len(table) == 9
+    assert len(table) == 10
     assert set(table["lattice"]) == {"11x6x2", "21x11x3"}
     assert table["survived"].all()
     held = table[table["press"] == "held"]
-    assert held[punch_tables.MEASURED].drop(columns="noise_late").notna().all(axis=None)
+    assert held[MEASURED].drop(columns="noise_late").notna().all(axis=None)
     # The punch goes down at 10 m/s, whoever computes it.
-    np.testing.assert_allclose(held["top_low"], 0.5 - 10.0 * punch_cases.COMPARED, atol=1e-9)
+    np.testing.assert_allclose(held["top_low"], 0.5 - 10.0 * COMPARED, atol=1e-9)
 
 
-def test_finite_elements_differ_from_themselves_by_nothing(results: Results) -> None:
-    row = _one(results, "held", FEM)
+def test_elements_differ_from_themselves_by_nothing_and_others_point_by_point(
+    results: Results,
+) -> None:
+    row = _one(results, HELD, B_BAR)
     assert row["profile_same"] == row["profile_finest"] == row["top_rms"] == 0.0
-
-
-def test_the_distance_over_time_is_of_the_worse_end_of_the_range(results: Results) -> None:
-    history = results.tables["history"]
-    frames = [
-        history[history["key"] == f"held {method} {CELLS}"].set_index("time [s]")["top_high [m]"]
-        for method in (H1, FEM)
-    ]
-    apart = (frames[0].to_numpy() - frames[1].to_numpy())[1:]
-    # The punch holds the lower end, so all the difference is in the upper one.
-    expected = np.sqrt(np.mean(apart**2))
-    assert _one(results, "held", H1)["top_rms"] == pytest.approx(expected, rel=1e-9)
-    assert expected > 1e-4
-
-
-def test_heights_are_compared_with_the_finest_elements_point_by_point(results: Results) -> None:
-    profile, coarse = results.tables["profile"], _one(results, "initial", H1)
-    at = profile[np.isclose(profile["time"], 0.015)].set_index("X")
+    profile, coarse = results.tables["profile"], _one(results, INITIAL, H1)
+    at = profile[np.isclose(profile["time"], COMPARED)].set_index("X")
     ours = at[at["key"] == coarse["key"]]["z"]
-    fine = at[at["key"] == f"initial {FEM} {2 * CELLS}"]["z"]
+    fine = at[at["key"] == f"initial {B_BAR.name} {2 * CELLS}"]["z"]
     expected = (ours - fine.to_numpy()[::2]).abs().max()
     assert coarse["profile_finest"] == pytest.approx(expected, rel=1e-12)
     assert coarse["profile_same"] != pytest.approx(expected, rel=1e-3)
 
 
+def test_the_distance_over_time_is_of_the_worse_end_of_the_range(results: Results) -> None:
+    history = results.tables["history"]
+    frames = [
+        history[history["key"] == f"held {method.name} {CELLS}"].set_index("time [s]")
+        for method in (H1, B_BAR)
+    ]
+    apart = (frames[0]["top_high [m]"].to_numpy() - frames[1]["top_high [m]"].to_numpy())[1:]
+    # The punch holds the lower end, so all the difference is in the upper one.
+    expected = np.sqrt(np.mean(apart**2))
+    assert _one(results, HELD, H1)["top_rms"] == pytest.approx(expected, rel=1e-9)
+    assert expected > 1e-4
+
+
 def test_displacement_sph_is_the_unstabilised_mixed_method(results: Results) -> None:
-    a, b = (_one(results, "initial", method) for method in (DISPLACEMENT, GALERKIN))
+    a, b = (_one(results, INITIAL, method) for method in (CLASSICAL, GALERKIN))
     assert a["top_low"] == pytest.approx(b["top_low"], abs=1e-5)
     assert a["energy_D_p"] == b["energy_D_p"] == 0.0
 
 
-def test_the_energy_account_closes(results: Results) -> None:
+def test_energy_and_momentum_budgets_close(results: Results) -> None:
     table = results.tables["table"]
-    supg = table[table["method"].isin([H1, H6])]
-    total = supg["energy_kept"] - supg[
-        ["energy_D_p", "energy_D_J", "energy_projection", "energy_rest"]
-    ].sum(axis=1)
+    supg = table[table["method"].isin([H1.name, H6.name])]
+    parts = ["energy_D_p", "energy_D_J", "energy_projection", "energy_rest"]
     # What is kept, less all works, is what was supplied: nothing is missing from the table.
-    np.testing.assert_allclose(total, 1.0, rtol=1e-9)
+    np.testing.assert_allclose(supg["energy_kept"] - supg[parts].sum(axis=1), 1.0, rtol=1e-9)
     assert (supg["energy_D_p"] < 0.0).all()
-
-
-def test_the_momentum_of_the_body_is_what_floor_and_punch_gave(results: Results) -> None:
-    row = _one(results, "held", H1)
-    history = results.tables["history"]
+    row, history = _one(results, HELD, H1), results.tables["history"]
     mine = history[history["key"] == row["key"]].sort_values("time [s]")
     change = mine["linear_momentum_z [kg m/s]"].iloc[[0, -1]].diff().iloc[-1]
     assert change == pytest.approx(row["floor_impulse"] + row["press_impulse"], rel=1e-9)
 
 
-def test_the_document_shows_frames_and_curves(results: Results) -> None:
-    document = punch.STUDY.report(results)
-    assert isinstance(document, Document)
-    figures = [b for section in document.sections for b in section.blocks if isinstance(b, Figure)]
-    names = {figure.path.name for figure in figures}
-    assert {"noise", "profile", "height", "comparison", "evolution_initial_consistent"} <= names
+def test_pictures_come_from_the_kept_frames(results: Results) -> None:
+    worth = {name for name, each in PICTURES.items() if each.is_worth_drawing(results.tables)}
     # Nothing ran with the operator as printed, nor to 30 ms: no page of empty panels.
-    assert not any("literal" in name or "sequence" in name for name in names)
-    for figure in figures:
-        assert figure.file("png").stat().st_size > 5_000
+    assert worth == {"evolution_initial", "comparison"}
+    (results.out / "shots").rename(results.out / "gone")
+    for name in worth:
+        PICTURES[name].draw(results)
+    for name in ("noise", "profile", "height"):
+        STUDY.figures[name](results)
+    (results.out / "gone").rename(results.out / "shots")
 
 
-def test_a_lost_run_is_a_result(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    def reckless(scene, *, method, operator, cells):
-        return sph.Simulation(scene, spacing=1.0 / cells, formulation=sph.PFJ(), cfl=3.0)
-
-    monkeypatch.setattr(punch_cases, "simulation", reckless)
-    rows = _rows(tmp_path, "initial", H1)
-    table = punch.tables(rows)["table"]
-    lost = table.iloc[0]
-    assert not lost["survived"]
-    assert 0.0 < lost["lost_at"] < 0.015
-    assert lost["lost_where"].endswith("m")
-    assert lost["reason"]
-    assert np.isnan(lost["top_low"])
-    assert lost["J_min"] > 0.0
-    assert isinstance(ShotFolder(tmp_path).load(f"initial {H1} {CELLS}", 0.015), Lost)
-
-
-def test_frames_are_kept_at_the_times_asked_for(results: Results) -> None:
-    shots = ShotFolder(results.out / "shots").load_all(f"held {H6} {CELLS}")
-    assert [shot.time for shot in shots] == pytest.approx([0.005, 0.01, 0.015])
-    assert all(isinstance(shot, Shot) and shot.label == H6 for shot in shots)
+def test_a_run_that_diverges_is_a_result(tmp_path: Path, monkeypatch: Any) -> None:
+    monkeypatch.setattr(runs, "simulation", lambda *_: sph.Simulation(
+        runs.punch(), spacing=1.0 / CELLS, cfl=3.0
+    ))  # fmt: skip
+    row = tables(_rows(tmp_path, INITIAL, H1))["table"].iloc[0]
+    assert not row["survived"]
+    assert 0.0 < row["diverged_at"] < COMPARED
+    assert row["where"].endswith("m")
+    assert row["why"]
+    assert np.isnan(row["top_low"])
+    assert row["J_min"] > 0.0
+    found = ShotFolder(tmp_path).load(f"initial {H1.name} {CELLS}", COMPARED)
+    assert isinstance(found, HasDiverged)
 
 
 def test_the_full_study_covers_what_the_paper_shows(tmp_path: Path) -> None:
-    options = argparse.Namespace(quick=False, cells=20, out=tmp_path)
-    listed = punch.cases(options)
-    assert len({case.key for case in listed}) == len(listed)
-    runs = [case.arguments for case in listed if case.run.endswith("punch.cases:run_case")]
-    assert {run["press"] for run in runs} == set(punch_cases.PRESSES)
-    assert {run["method"] for run in runs} == set(METHODS)
-    assert {run["cells"] for run in runs} == {20, 40, 60, 80}
+    listed = cases(argparse.Namespace(quick=False, cells=20, out=tmp_path))
+    assert len({case.key for case in listed}) == len(listed) == 92
+    given = [case.arguments for case in listed if case.run is run_case]
+    assert len({each["reading"].name for each in given}) == 4
+    assert {each["cells"] for each in given} == {20, 40, 60, 80}
     with pytest.raises(InputError, match="at least 10"):
-        punch.cases(argparse.Namespace(quick=True, cells=2, out=tmp_path))
+        cases(argparse.Namespace(quick=True, cells=2, out=tmp_path))
 
 
-def test_the_default_row_is_what_the_package_does_by_itself() -> None:
-    scene = punch_cases.punch()
-    sims = [
-        punch_cases.simulation(scene, method=name, operator="Consistent", cells=CELLS)
-        for name in (TOOLKIT, toolkit(0.2), H1)
-    ]
-    bare = sph.Simulation(scene, spacing=1.0 / CELLS, formulation=sph.PFJ())
-    assert sims[0].identity() == bare.identity()
-    assert sims[1].stabilisation == replace(bare.stabilisation, tau_p=0.2)
-    assert sims[1].integrator == bare.integrator
-    assert sims[2].integrator == sph.TVDRK2()
-    stated = METHODS[TOOLKIT]
-    assert stated.tau_unit == "h/c_p"
-    assert (sph.OfMesh(stated.tau_F), stated.xi_F, sph.OfStep(stated.tau_p)) == (
-        bare.stabilisation.tau_F, bare.stabilisation.xi_F, bare.stabilisation.tau_p,
-    )  # fmt: skip
+def test_methods_are_the_paper_s_and_the_package_s() -> None:
+    def made(method) -> sph.Simulation:
+        return runs.simulation(INITIAL, method, CONSISTENT, CELLS, COMPARED)
+
+    bare = sph.Simulation(runs.punch(), spacing=1.0 / CELLS, formulation=sph.PFJ())
+    assert made(PACKAGE).identity() == bare.identity()
+    assert made(DEFAULTS[0.2]).stabilisation.tau_p == sph.OfStep(0.2)
+    paper = sph.SUPG(tau_F=0.5, xi_F=0.0, tau_p=0.1, secondary=sph.H6())
+    assert made(H6).stabilisation == paper
+    assert made(H1).stabilisation == sph.SUPG(tau_F=0.5, xi_F=0.1, tau_p=0.1)
+    assert made(WITHOUT_TAU_F[0.1]).stabilisation == sph.SUPG(tau_F=0.0, xi_F=0.1, tau_p=0.1)
+    for method in (H1, H6, CLASSICAL, GALERKIN, WIDE):
+        assert made(method).integrator == sph.TVDRK2()
+        assert made(method).cfl == 0.3
+    wide = made(WIDE)
+    assert wide.stabilisation == paper
+    assert wide.cloud.smoothing.support * wide.cloud.h == pytest.approx(2.0 / CELLS)
 
 
-def test_wide_support_is_the_cubic_spline_of_two_spacings() -> None:
-    scene = punch_cases.punch()
-    wide = [name for name, method in METHODS.items() if method.wide]
-    sim = punch_cases.simulation(scene, method=wide[0], operator="Consistent", cells=CELLS)
-    assert sim.cloud.smoothing == sph.CubicSpline()
-    assert sim.cloud.smoothing.support * sim.cloud.h == pytest.approx(2.0 / CELLS)
-    narrow = punch_cases.simulation(scene, method=H6, operator="Consistent", cells=CELLS)
-    assert replace(METHODS[wide[0]], wide=False, tau_p=0.1) == METHODS[H6]
-    assert narrow.cloud.h < sim.cloud.h
+# A world in which the paper is right in everything.
+NOISE = {
+    CLASSICAL: 0.4, GALERKIN: 0.4, H6_NO_TAU_P: 0.3, H6: 0.05, H1: 0.05, PACKAGE: 0.05,
+    WITHOUT_TAU_F[0.0]: 0.4, WITHOUT_TAU_F[0.1]: 0.05, B_BAR: 0.1,
+}  # fmt: skip
+RANGES = {"initial": (0.455, 0.541), "held": (0.350, 0.744)}
+
+
+def _table(**changes: dict[tuple[str, Any], Any]) -> pd.DataFrame:
+    """One run a method and reading; ``changes``: column to ``{(reading, method): value}``."""
+    rows = []
+    for press, (low, high) in RANGES.items():
+        for method, noise in NOISE.items():
+            rows.append(
+                dict.fromkeys([*RUN, *MEASURED], 0.0) | {
+                    "key": f"{press} {method.name}", "press": press, "method": method.name,
+                    "operator": "" if method == B_BAR else CONSISTENT.name, "lattice": "21x11x3",
+                    "cells": 20, "until": 0.03, "noise_mean": noise, "top_low": low,
+                    "top_high": high, "pressure_1": -3e6, "pressure_99": 2e6, "energy_kept": 0.9,
+                    "survived": method != B_BAR or press == "initial", "diverged_at": 0.02,
+                    "folded": False, "folded_at": float("nan"),
+                }
+            )  # fmt: skip
+    table = pd.DataFrame(rows)
+    for column, values in changes.items():
+        for (press, method), value in values.items():
+            which = (table["press"] == press) & (table["method"] == method.name)
+            table.loc[which, column] = value
+    return table
+
+
+def _claim(start: str, table: pd.DataFrame, terms_ratio: float = 6.0) -> Claim:
+    cost = pd.DataFrame([dict.fromkeys(COST, 1.0) | {"terms_ratio": terms_ratio}])
+    made: Tables = {"table": table, "cost": cost}
+    (found,) = [claim for claim in claims(made) if claim.what.startswith(start)]
+    return found
+
+
+@pytest.mark.parametrize(
+    "claim",
+    ["displacement SPH", "they are still there", "with tau_p = 0.1 dt", "it is tau_p",
+     "H1 and H6 agree", "the SUPG terms", "extremely large distortions"],
+)  # fmt: skip
+def test_a_world_as_in_the_paper_is_reproduced(claim: str) -> None:
+    assert _claim(claim, _table()).verdict == "reproduced"
+
+
+@pytest.mark.parametrize(
+    ("claim", "changes", "expected"),
+    [
+        ("displacement SPH", {"noise_mean": {("held", CLASSICAL): 0.14}}, "in part"),
+        (
+            "displacement SPH",
+            {"noise_mean": {("held", CLASSICAL): 0.1, ("initial", CLASSICAL): 0.1}}, "not",
+        ),
+        ("they are still there", {"noise_mean": {("initial", H6_NO_TAU_P): 0.06}}, "in part"),
+        ("with tau_p = 0.1 dt", {"noise_mean": {("initial", H6): 0.11}}, "not"),
+        # No fluctuations without tau_p: none are removed.
+        ("it is tau_p", {"noise_mean": {("initial", H6_NO_TAU_P): 0.14}}, "in part"),
+        (
+            "it is tau_p",
+            {"noise_mean": {("initial", H6): 0.2, ("initial", WITHOUT_TAU_F[0.1]): 0.3}}, "not",
+        ),
+        ("H1 and H6 agree", {"top_high": {("held", H1): 0.7485}}, "in part"),
+        ("H1 and H6 agree", {"noise_mean": {("held", H1): 0.0625}}, "in part"),
+        ("H1 and H6 agree", {"noise_mean": {("held", H1): 0.04}}, "in part"),
+        ("H1 and H6 agree", {"top_high": {("held", H1): float("nan")}}, "in part"),
+        (
+            "H1 and H6 agree",
+            {"top_high": {("held", H1): 0.7485}, "pressure_1": {("initial", H1): -3.3e6}}, "not",
+        ),
+        ("extremely large", {"survived": {("held", B_BAR): True}}, "in part"),
+        ("extremely large", {"survived": {("held", B_BAR): True, ("held", H1): False}}, "not"),
+        # Folded after the instant of the other claims, and before it.
+        (
+            "extremely large",
+            {"folded": {("held", H1): True}, "folded_at": {("held", H1): 0.02}}, "in part",
+        ),
+        (
+            "H1 and H6 agree",
+            {"folded": {("held", H1): True}, "folded_at": {("held", H1): 0.01}}, "in part",
+        ),
+        (
+            "with tau_p",
+            {"folded": {("initial", H6): True}, "folded_at": {("initial", H6): 0.01}}, "not",
+        ),
+    ],
+)  # fmt: skip
+def test_a_claim_that_fails_is_said_to(claim: str, changes: Any, expected: str) -> None:
+    verdict = _claim(claim, _table(**changes)).verdict
+    assert verdict == {"in part": "reproduced in part", "not": "not reproduced"}[expected]
+
+
+@pytest.mark.parametrize("ratio", [4.9, 7.1])
+def test_six_times_is_measured(ratio: float) -> None:
+    assert _claim("the SUPG terms", _table(), ratio).verdict == "not reproduced"
+
+
+@pytest.mark.parametrize(
+    ("heights", "expected"),
+    [({}, "met"), ({H6: 0.4595}, "met in part"), ({H6: 0.46, H1: 0.46, PACKAGE: 0.46}, "not met")],
+)
+def test_the_top_face_is_held_against_three_references(heights: Any, expected: str) -> None:
+    table = _table(top_low={("initial", method): z for method, z in heights.items()})
+    for reference in ("B-bar of the same lattice", "B-bar 21x11x3", "an independent"):
+        start = f"initial, coarsest lattice: range of the top face at 15 ms as {reference}"
+        claim = _claim(start, table)
+        assert claim.verdict == expected
+    if expected == "met in part":
+        assert claim.shown.endswith(f"4.5 mm ({H6.name})")
+
+
+def test_what_has_not_run_is_not_claimed() -> None:
+    assert _claim("SUPG-SPH is more accurate than JST", _table()).verdict == "not examined"
+    table = _table()
+    only = table[table["method"] == B_BAR.name]
+    for claim in claims({"table": only, "cost": pd.DataFrame(columns=COST)}):
+        assert claim.verdict not in ("reproduced", "met")

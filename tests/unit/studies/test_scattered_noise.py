@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from studies.report.scattered_noise import departure, noise_of
+from studies.measures.scattered_noise import departure, noise_of
 
 X = np.stack(np.meshgrid(*[np.arange(11.0)] * 3, indexing="ij"), axis=-1).reshape(-1, 3)
 V = np.ones(len(X))

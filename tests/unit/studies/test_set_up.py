@@ -2,28 +2,38 @@
 
 from __future__ import annotations
 
-import json
-
-import pandas as pd
+import numpy as np
 import pytest
 
 from studies import set_up
+from studies.engine.study import main, parse
 
 
-def test_the_table_has_both_operators_at_both_sizes(tmp_path, capsys):
-    assert set_up.main(["--cells", "6", "4", "--out", str(tmp_path)]) == 0
-    table = pd.read_csv(tmp_path / "table.csv")
+def test_the_table_has_both_operators_at_both_sizes():
+    listed = set_up.cases(parse(set_up.STUDY, ["--cells", "6", "4"]))
+    table = set_up.tables([row for case in listed for row in case.run(**case.arguments)])["table"]
     assert table["operator"].tolist() == ["Consistent"] * 2 + ["SummationByParts"] * 2
     assert table["particles"].tolist() == [125, 343] * 2
     assert (table[["C0", "C1", "D0"]] < 1e-11).all(axis=None)
     assert (table["SBP"] < 1e-3).tolist() == [False, False, True, True]
     assert table["growth"].isna().tolist() == [True, False, True, False]
-    assert json.loads((tmp_path / "run.json").read_text())["study"] == "set_up"
-    assert "SummationByParts" in capsys.readouterr().out
 
 
-def test_too_few_cells_are_refused(capsys):
+def test_growth_is_the_exponent_of_the_time():
+    N = np.array([100, 1000, 5000])
+    rows = [
+        {"operator": name, "particles": n, "seconds": 2.0 * n**power}
+        for name, power in (("a", 1.2), ("b", 0.7)) for n in N
+    ]  # fmt: skip
+    growth = set_up.tables(rows)["table"]["growth"]
+    np.testing.assert_allclose(growth, [np.nan, 1.2, 1.2, np.nan, 0.7, 0.7])
+
+
+def test_what_is_asked_is_run_one_at_a_time_and_too_few_cells_are_refused(capsys):
+    options = parse(set_up.STUDY, ["--operators", "Consistent", "--cells", "8"])
+    assert [case.key for case in set_up.cases(options)] == ["Consistent 1/8"]
+    assert options.jobs == 1
     with pytest.raises(SystemExit):
-        set_up.main(["--cells", "many"])
-    assert set_up.main(["--cells", "2"]) == 2
+        main(set_up.STUDY, ["--cells", "many"])
+    assert main(set_up.STUDY, ["--cells", "2"]) == 2
     assert "give at least 4" in capsys.readouterr().err

@@ -11,8 +11,12 @@ import pytest
 from sphsolid.errors import Diverged, InputError
 from sphsolid.record import Snapshot
 from sphsolid.scenes import Box, twisting_column
-from studies.pictures import shots
-from studies.pictures.shots import CELL, KEPT, Lost, SaveShots, ShotFolder, load_shot, save_shot
+from studies.engine.results import Results
+from studies.pictures import frame_file
+from studies.pictures.frame_file import KeptFrames, read_frames, write_frames
+from studies.pictures.picture import FRAMES, Panel, Percentile, Picture, keeping
+from studies.pictures.shots import CELL, KEPT, Absent, HasDiverged, SaveShots, ShotFolder
+from studies.pictures.view import flat_view
 from tests.oracles.frames import box_shot, twisted
 
 MATERIAL = twisting_column().material
@@ -31,107 +35,92 @@ def one_cell(time):
     )  # fmt: skip
 
 
-def lost_at(time):
+def diverged(time):
     return Diverged("J <= 0", time, 7, 3, (0.0, 0.0, 0.0), "a smaller step")
 
 
-def test_a_frame_comes_back_bit_by_bit(tmp_path):
-    shot = box_shot(label="SUPG-SPH {p,F}, ν = 0.495", time=0.1 + 0.2, **NOISY)
-    back = load_shot(save_shot(tmp_path / "a.npz", shot))
-    assert (back.label, back.time, back.spacing) == (shot.label, shot.time, shot.spacing)
-    assert set(back.values) == set(KEPT)
-    pairs = [(shot.x, back.x), (shot.quads, back.quads)]
-    for old, new in pairs + [(shot.values[name], back.values[name]) for name in KEPT]:
+def same(a, b):
+    assert (a.label, a.time, a.folded) == (b.label, b.time, b.folded)
+    assert list(a.values) == list(b.values)
+    pairs = [(a.x, b.x), (a.quads, b.quads), (a.V, b.V)]
+    for old, new in pairs + [(a.values[name], b.values[name]) for name in a.values]:
         assert old.dtype == new.dtype
         assert old.tobytes() == new.tobytes()
-    assert back.x.dtype == np.float32
-    assert back.folded is False
-    assert load_shot(save_shot(tmp_path / "b.npz", replace(shot, folded=True))).folded is True
-    assert back.quads.dtype == np.int32
 
 
-def test_the_same_frame_is_the_same_file(tmp_path):
-    a, b = (save_shot(tmp_path / name, box_shot(**NOISY)).read_bytes() for name in ("a", "b"))
-    assert a == b
+def test_frames_come_back_bit_by_bit(tmp_path):
+    one = box_shot(label="SUPG-SPH {p,F}, ν = 0.495", time=0.1 + 0.2, **NOISY)
+    two, gone = replace(one, time=1.0, folded=True), HasDiverged("m", 2.0, 1.5)
+    back = read_frames(write_frames(tmp_path / "a.npz", [("k", one), ("k", two), ("l", gone)]))
+    assert [key for key, _ in back] == ["k", "k", "l"]
+    same(back[0][1], one)
+    same(back[1][1], two)
+    assert back[2][1] == gone
+    assert back[0][1].x.dtype == np.float32
+    assert back[0][1].quads.dtype == np.int32
 
 
-def test_a_killed_writer_leaves_the_old_frame_whole(tmp_path, monkeypatch):
-    path = save_shot(tmp_path / "a.npz", box_shot(label="old"))
+def test_equal_arrays_are_kept_once_and_equal_frames_are_equal_files(tmp_path):
+    one = box_shot(**NOISY)
+    single, many = (
+        write_frames(tmp_path / f"{n}.npz", [("k", replace(one, time=float(k))) for k in range(n)])
+        for n in (1, 20)
+    )
+    assert many.stat().st_size < 1.5 * single.stat().st_size
+    again = write_frames(tmp_path / "again.npz", [("k", replace(box_shot(**NOISY), time=0.0))])
+    assert again.read_bytes() == single.read_bytes()
+
+
+def test_a_killed_writer_leaves_the_old_frames_whole(tmp_path, monkeypatch):
+    path = write_frames(tmp_path / "a.npz", [("k", box_shot(label="old"))])
 
     def killed(*_):
         raise KeyboardInterrupt
 
     monkeypatch.setattr(os, "replace", killed)
     with pytest.raises(KeyboardInterrupt):
-        save_shot(path, box_shot(label="new"))
+        write_frames(path, [("k", box_shot(label="new"))])
     monkeypatch.undo()
-    assert load_shot(path).label == "old"
+    assert read_frames(path)[0][1].label == "old"
     assert [p.name for p in tmp_path.iterdir()] == ["a.npz"]
 
 
-def test_missing_and_broken_frames_are_named(tmp_path):
-    with pytest.raises(InputError, match=r"no frame .*/a\.npz: run its case again"):
-        load_shot(tmp_path / "a.npz")
-    (tmp_path / "b.npz").write_bytes(save_shot(tmp_path / "c.npz", box_shot()).read_bytes()[:500])
+def test_missing_broken_and_old_frames_are_named(tmp_path, monkeypatch):
+    with pytest.raises(InputError, match=r"no frames .*/a\.npz: run what makes it again"):
+        read_frames(tmp_path / "a.npz")
+    whole = write_frames(tmp_path / "c.npz", [("k", box_shot())])
+    (tmp_path / "b.npz").write_bytes(whole.read_bytes()[:500])
     with pytest.raises(InputError, match=r"b\.npz cannot be read"):
-        load_shot(tmp_path / "b.npz")
-    folder = ShotFolder(tmp_path / "shots")
+        read_frames(tmp_path / "b.npz")
+    monkeypatch.setattr(frame_file, "_FORMAT", 99)
+    with pytest.raises(InputError, match="format 3, and this version reads 99: run what makes"):
+        read_frames(whole)
     with pytest.raises(InputError, match="no frames of 'x'"):
-        folder.load_all("x")
-    folder.save("x", one_cell(0.25), "x")
-    with pytest.raises(InputError, match=r"no frame of 'x' at 0\.5 s in shots/ \(kept: 0\.25\)"):
-        folder.load("x", 0.5)
+        ShotFolder(tmp_path / "shots").load_all("x")
 
 
-def test_frames_of_another_format_are_refused(tmp_path, monkeypatch):
-    monkeypatch.setattr(shots, "_FORMAT", 99)
-    save_shot(tmp_path / "a.npz", box_shot())
-    monkeypatch.undo()
-    with pytest.raises(InputError, match="format 99"):
-        load_shot(tmp_path / "a.npz")
-
-
-def test_cases_do_not_mix(tmp_path):
+def test_frames_are_found_by_key_and_time_through_round_off(tmp_path):
     folder = ShotFolder(tmp_path)
-    keys = ["a", "a b", "[a]{p,F}", "a@2"]
-    for number, key in enumerate(keys):
-        for time in (0.5, 0.0, 0.125 * number + 1.0):
-            folder.save(key, one_cell(time), key)
-    for number, key in enumerate(keys):
-        assert [shot.time for shot in folder.load_all(key)] == [0.0, 0.5, 0.125 * number + 1.0]
-        assert {shot.label for shot in folder.load_all(key)} == {key}
-    folder.clear("a")
-    with pytest.raises(InputError):
-        folder.load_all("a")
-    assert len(folder.load_all("a b")) == 3
+    folder.save("p_F", one_cell(0.1 + 0.2), "one")
+    # Keys that differ only in signs do not mix.
+    folder.save("{p,F}", one_cell(0.3), "two")
+    assert folder.load("p_F", 0.3).label == "one"
+    assert folder.load("{p,F}", 0.3).label == "two"
+    with pytest.raises(InputError, match=r"'p_F' at 0.2 s in .*kept: 0\.3"):
+        folder.load("p_F", 0.2)
 
 
-def test_keys_that_differ_only_in_signs_do_not_mix(tmp_path):
-    folder = ShotFolder(tmp_path)
-    folder.save("p_F", one_cell(0.0), "one")
-    folder.save("{p,F}", one_cell(0.0), "two")
-    assert folder.load("p_F", 0.0).label == "one"
-    assert folder.load("{p,F}", 0.0).label == "two"
-
-
-def test_times_are_found_through_round_off(tmp_path):
-    folder = ShotFolder(tmp_path)
-    folder.save("a", one_cell(0.1 + 0.2), "a")
-    assert folder.load("a", 0.3).time == 0.1 + 0.2
-
-
-def test_a_lost_run_says_so_from_then_on(tmp_path):
+def test_a_run_that_diverged_says_so_from_then_on(tmp_path):
     folder = ShotFolder(tmp_path)
     folder.save("a", one_cell(0.1), "the method")
-    folder.save_lost("a", "the method", lost_at(0.15))
+    folder.save_diverged("a", "the method", diverged(0.15))
     assert folder.load("a", 0.1).label == "the method"
-    assert folder.load("a", 0.2) == Lost("the method", 0.2, lost_at=0.15)
+    assert folder.load("a", 0.2) == HasDiverged("the method", 0.2, diverged_at=0.15)
     with pytest.raises(InputError):
         folder.load("a", 0.12)
     assert len(folder.load_all("a")) == 1
     folder.clear("a")
-    with pytest.raises(InputError):
-        folder.load("a", 0.2)
+    assert not list(tmp_path.iterdir())
 
 
 def test_the_recorder_keeps_the_times_asked_for(tmp_path):
@@ -150,5 +139,49 @@ def test_the_recorder_keeps_the_times_asked_for(tmp_path):
     for name in own:
         assert shot.values[name][0] == pytest.approx(own[name])
         assert shot.values[CELL + name] == pytest.approx([over_the_cell[name]] * 8)
+    assert set(shot.values) == set(KEPT)
     assert shot.V.tolist() == [0.125] * 8
     assert shot.quads.shape == (6, 4)
+
+
+def results(out):
+    """Two runs, one of which diverged, and a picture of both at two times."""
+    folder = ShotFolder(out / "shots")
+    for time in (0.0, 0.1):
+        shot = box_shot(spacing=0.1, time=time, field=lambda x: 1.0 + x[:, 0])
+        folder.save_frame("one", shot)
+    folder.save_frame("two", box_shot(spacing=0.1, field=lambda x: 50.0 + x[:, 0]))
+    folder.save_diverged("two", "as it was run", diverged(0.05))
+    plan = [[Panel(key, key, time, key == "one") for time in (0.0, 0.1)] for key in ("one", "two")]
+    picture = Picture(lambda tables: plan, "pressure", Percentile(100.0), flat_view())
+    keeping([picture])(out, {})
+    return picture, Results(out, {}, None, {})
+
+
+def test_pictures_are_drawn_from_the_kept_frames_alone(tmp_path):
+    picture, found = results(tmp_path)
+    (tmp_path / "shots").rename(tmp_path / "gone")
+    figure = picture.draw(found)
+    texts = [[t.get_text() for t in axes.texts] for axes in figure.axes[1:5]]
+    assert texts == [[], [], [], ["diverged\nat 50 ms"]]
+    # Colours come from the run that sets them, and beyond means beyond what is shown of it.
+    assert figure.axes[5].get_ylim() == (-2.0, 2.0)
+    kept = KeptFrames(tmp_path / FRAMES).load("one", 0.1)
+    assert list(kept.values) == ["pressure"]
+    assert len(kept.quads) == 100, "of six faces one is seen"
+    assert len(kept.x) == 11 * 11
+
+
+def test_pictures_without_frames_are_refused_and_old_frames_do_not_stay(tmp_path):
+    picture, found = results(tmp_path)
+    ShotFolder(tmp_path / "shots").clear("one")
+    with pytest.raises(InputError, match="no frame of 'one'"):
+        keeping([picture])(tmp_path, {})
+    with pytest.raises(InputError, match=r"no frames .*frames\.npz"):
+        picture.draw(found)
+
+
+def test_a_picture_with_few_panels_is_not_worth_drawing():
+    there, not_there = Panel("a", "a", 0.0), Absent("a", 0.0)
+    for row, worth in (([there, there, not_there], True), ([there, not_there], False), ([], False)):
+        assert Picture(lambda tables, row=row: [row]).is_worth_drawing({}) is worth

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from matplotlib.backends.backend_agg import FigureCanvasAgg
@@ -11,11 +13,11 @@ from matplotlib.figure import Figure
 
 from sphsolid.errors import InputError
 from studies.pictures import surface
-from studies.pictures.surface import NoWireframe, Particles, Surface, Wireframe, seen_faces
+from studies.pictures.surface import Surface, seen_faces
 from studies.pictures.view import Around, angled_view, flat_view
 from tests.oracles.frames import box_shot, horseshoe, twisted
 
-PLAIN = Surface(lines=NoWireframe(), shading=0.0, detail=20000)
+PLAIN = Surface(lines=0.0, shading=0.0, detail=20000)
 
 
 def picture(shot, view, drawing, scale, *, pixels=400, name="pressure"):
@@ -50,8 +52,8 @@ def test_a_cube_shows_the_three_faces_it_turns_to_the_viewer():
         area = 0.5 * (a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0])
         assert np.all(area > 0.0)
         assert area.sum() == pytest.approx(np.abs(view.rotation[2]).sum(), rel=1e-6)
-        outward = np.unique(np.round(faces.normals @ view.rotation, 6), axis=0)
-        np.testing.assert_allclose(outward, np.eye(3)[::-1] * np.sign(view.towards), atol=1e-6)
+        outward = np.unique(np.round(faces.normals @ np.array(view.rotation), 6), axis=0)
+        np.testing.assert_allclose(outward, np.eye(3)[::-1] * np.sign(view.rotation[2]), atol=1e-6)
 
 
 def test_faces_that_look_away_are_left_out_whichever_way_the_body_is_turned():
@@ -79,7 +81,7 @@ def depth_seen(shot, view, across, upward):
 
 def share_of_wrong_pixels(move, view):
     """Depth drawn as colour, against brute force."""
-    towards = np.array(view.towards)
+    towards = np.array(view.rotation[2])
     shot = box_shot(
         (-0.5, 0.0, -0.5), (0.5, 6.0, 0.5), spacing=0.25, move=move, field=lambda x: x @ towards
     )
@@ -117,7 +119,7 @@ def test_a_linear_field_has_exactly_its_colours():
     shot = box_shot(spacing=0.25, field=lambda x: x @ slope)
     view = angled_view(up="z", azimuth=30.0, elevation=35.0)
     faces = seen_faces(shot, view, shot.value("pressure").astype(float), pieces=3)
-    centres = faces.corners.mean(axis=1) @ view.rotation
+    centres = faces.corners.mean(axis=1) @ np.array(view.rotation)
     np.testing.assert_allclose(faces.values, centres @ slope, atol=1e-6)
 
     scale = ScalarMappable(Normalize(-1.0, 2.5), "gray")
@@ -137,7 +139,7 @@ def test_shading_darkens_and_never_colours():
     shot = box_shot(field=lambda x: np.zeros(len(x)))
     view = angled_view(up="z", azimuth=30.0, elevation=35.0)
     scale = ScalarMappable(Normalize(-1.0, 1.0), "gray")
-    rgb, *_ = picture(shot, view, Surface(lines=NoWireframe(), shading=0.3), scale)
+    rgb, *_ = picture(shot, view, Surface(lines=0.0, shading=0.3), scale)
     assert np.ptp(rgb, axis=2).max() < 1e-9
     # The flat parts of the picture: white paper and three faces; outlines are a few pixels.
     greys, counts = np.unique(rgb[..., 0], return_counts=True)
@@ -151,7 +153,7 @@ def test_shading_darkens_and_never_colours():
 def test_lines_are_drawn_once_and_only_where_seen():
     shot = box_shot(spacing=0.5)
     axes = Figure().add_subplot()
-    Surface(lines=Wireframe(width=1.5), detail=1).draw(
+    Surface(lines=1.5, detail=1).draw(
         axes, shot, flat_view(), ScalarMappable(Normalize(0, 1), "gray"), "pressure"
     )
     collection = axes.collections[0]
@@ -160,20 +162,37 @@ def test_lines_are_drawn_once_and_only_where_seen():
     assert (~lines).sum() == 4
 
 
-def test_particles_have_their_size_colour_and_order():
-    shot = box_shot(spacing=0.25, field=lambda x: x[:, 1])
-    axes = Figure().add_subplot()
-    axes.set(xlim=(-1, 2), ylim=(-1, 2))
-    scale = ScalarMappable(Normalize(0.0, 1.0), "gray")
-    Particles(size=0.8, outline=Wireframe()).draw(axes, shot, flat_view(), scale, "pressure")
-    dots = axes.collections[-1]
-    assert len(dots.get_offsets()) == 125
-    np.testing.assert_allclose(dots.get_widths(), 0.8 * 0.25)
-    np.testing.assert_allclose(dots.get_offsets()[-25:, 0].reshape(-1).max(), 1.0)
-    # The last ones are the nearest to a viewer at Y = -inf: y = 0, black.
-    np.testing.assert_allclose(dots.get_facecolors()[-25:, :3], 0.0)
-    np.testing.assert_allclose(dots.get_facecolors()[:25, :3], 1.0)
-    assert len(axes.collections[0].get_paths()) == 40, "edges of a 4 x 4 face"
+def test_a_triangle_is_a_quadrilateral_whose_last_corners_are_one():
+    shot = box_shot(spacing=0.5, field=lambda x: x @ [2.0, 0.0, -1.0])
+    halves = np.concatenate([shot.quads[:, [0, 1, 2, 2]], shot.quads[:, [0, 2, 3, 3]]])
+    cut = replace(shot, quads=halves.astype(np.int32))
+    view, values = angled_view(up="z", azimuth=25.0), shot.value("pressure").astype(float)
+    areas = []
+    for each in (shot, cut):
+        faces = seen_faces(each, view, values, pieces=4)
+        a = faces.corners[:, 2, :2] - faces.corners[:, 0, :2]
+        b = faces.corners[:, 3, :2] - faces.corners[:, 1, :2]
+        areas.append(0.5 * (a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]).sum())
+        centres = faces.corners.mean(axis=1) @ np.array(view.rotation)
+        np.testing.assert_allclose(faces.values, centres @ [2.0, 0.0, -1.0], atol=1e-6)
+    assert areas[1] == pytest.approx(areas[0], rel=1e-6)
+    edges = surface._lines(view.project(cut.x[cut.quads]), 1)
+    assert np.linalg.norm(edges[:, 1] - edges[:, 0], axis=1).min() > 0.1
+
+
+def test_only_the_faces_that_are_seen_are_needed():
+    """What is left draws the same picture."""
+    shot = box_shot(spacing=0.25, move=horseshoe(0.8), field=lambda x: x[:, 1])
+    view = angled_view(up="z", azimuth=20.0, elevation=15.0)
+    seen = seen_faces(shot, view, np.zeros(len(shot.x))).seen
+    less = shot.only(seen, ["pressure"])
+    assert len(less.quads) == seen.sum() < 0.6 * len(shot.quads)
+    assert less.x.dtype == less.V.dtype == less.value("pressure").dtype == np.float32
+    pictures = [
+        picture(each, view, Surface(detail=1), ScalarMappable(Normalize(0, 1), "gray"))[0]
+        for each in (shot, less)
+    ]
+    np.testing.assert_array_equal(*pictures)
 
 
 def test_what_is_not_finite_is_left_out():
@@ -189,7 +208,7 @@ def test_wrong_options_are_refused():
     for make in (
         lambda: Surface(detail=0),
         lambda: Surface(shading=1.5),
-        lambda: Particles(size=0.0),
+        lambda: Surface(lines=-1.0),
         lambda: box_shot().value("temperature"),
     ):
         with pytest.raises(InputError):

@@ -1,1 +1,0 @@
-"""The swinging cube: orders of convergence of every method."""

@@ -1,1 +1,0 @@
-"""Variants of the consistent operator, one choice changed at a time."""
