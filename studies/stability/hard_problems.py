@@ -63,7 +63,8 @@ class Measured:
 class Kept:
     """Keeps every snapshot; adds no column."""
 
-    shots: list[Snapshot] = field(default_factory=list)
+    #: Not in its repr, which every record asks for: all arrays would be printed each time.
+    shots: list[Snapshot] = field(default_factory=list, repr=False)
 
     def record(self, snapshot: Snapshot, scene: Scene) -> dict[str, float]:
         """No column."""
