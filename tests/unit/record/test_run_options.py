@@ -58,7 +58,7 @@ def test_numbers_of_numpy_and_any_iterable_are_fine(fake_solver):
 
 def test_recorders_that_need_it_get_an_account(fake_solver):
     solver = fake_solver()
-    with pytest.raises(InputError, match="needs the account"):
+    with pytest.raises(InputError, match="needs the budget"):
         march(solver, until=0.1, record=[EnergyBudget()])
     assert solver.tracks
 
