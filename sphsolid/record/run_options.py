@@ -46,20 +46,23 @@ def checked_row(recorder: object, made: object, row: Row) -> Row:
 
     ``row``: the instant and its step, and the columns of the recorders before it.
     """
-    what = f"recorder {recorder!r}"
+    def refused(text: str) -> InputError:
+        # Asked only when needed: the repr of a recorder that keeps arrays is long.
+        return InputError(f"recorder {recorder!r} {text}")
+
     if not isinstance(made, Mapping) or not all(isinstance(name, str) for name in made):
-        raise InputError(
-            f"{what} returned {_short(made)}; wanted is a dict of columns and numbers: "
+        raise refused(
+            f"returned {_short(made)}; wanted is a dict of columns and numbers: "
             '{"mass [kg]": 1.0}'
         )
     found: Row = {}
     for name, value in made.items():
         if name in OWN_COLUMNS:
-            raise InputError(f"{what} has a column {name!r}, which every row has; rename it")
+            raise refused(f"has a column {name!r}, which every row has; rename it")
         scalar = value.item() if isinstance(value, np.ndarray) and value.ndim == 0 else value
         if not isinstance(scalar, Real | np.bool_):
-            raise InputError(
-                f"{what} returned {_short(value)} for its column {name!r}; wanted is one number"
+            raise refused(
+                f"returned {_short(value)} for its column {name!r}; wanted is one number"
             )
         found[name] = float(scalar)
     return found

@@ -28,7 +28,7 @@ from sphsolid.scenes import (
 )
 from studies.engine.case import Row
 from studies.measures.indicators import pressure_noise, twist_of_top, whole_turns
-from studies.measures.run import Ran, run
+from studies.measures.run import run
 from studies.methods import Method
 
 Array = NDArray[np.float64]
@@ -63,7 +63,8 @@ class Measured:
 class Kept:
     """Keeps every snapshot; adds no column."""
 
-    shots: list[Snapshot] = field(default_factory=list)
+    #: Not in its repr, which every record asks for: all arrays would be printed each time.
+    shots: list[Snapshot] = field(default_factory=list, repr=False)
 
     def record(self, snapshot: Snapshot, scene: Scene) -> dict[str, float]:
         """No column."""
@@ -101,8 +102,8 @@ def give_up_on_collapse(solver: Any) -> None:
     solver.stable_time_step = stable_time_step
 
 
-def followed(solver: Any, *recorders: Recorder) -> tuple[Ran, dict[str, Array], Row]:
-    """Run to the end of the scene: the outcome, its history as arrays, the columns of its row.
+def followed(solver: Any, *recorders: Recorder) -> tuple[dict[str, Array], Row]:
+    """Run to the end of the scene: its history as arrays, and the columns of its row.
 
     That positions fold is in the row, and no warning.
     """
@@ -124,7 +125,7 @@ def followed(solver: Any, *recorders: Recorder) -> tuple[Ran, dict[str, Array], 
         # Early on hardly any pressure is there, and its noise says nothing.
         "noise_end": noise[-1], "noise_max": np.max(noise[len(noise) // 2 :]),
     }  # fmt: skip
-    return ran, history, row
+    return history, row
 
 
 def energy_shares(history: Mapping[str, Array]) -> Row:
@@ -186,7 +187,7 @@ class Column:
         )  # fmt: skip
         body = replace(scene.body, jitter=self.jitter)  # type: ignore[type-var]
         solver = method.simulation(replace(scene, body=body), spacing=h)
-        _, history, row = followed(solver, Measured({"angle": twist_of_top}))
+        history, row = followed(solver, Measured({"angle": twist_of_top}))
         twist = itertools.accumulate(
             history["angle"], lambda last, angle: whole_turns(angle, last), initial=0.0
         )
@@ -204,7 +205,7 @@ class Punch:
         """The height of the last state."""
         press = HeldVelocity() if self.held else InitialVelocity()
         solver = method.simulation(punch(press=press, end_time=self.end_time), spacing=h)
-        _, _, row = followed(solver)
+        _, row = followed(solver)
         end = solver.snapshot()
         height = np.max(end.x[:, 2]) - np.max(end.X[:, 2])
         return row | {"answer": height, "answer_is": "bulge of the top [m]"}
@@ -263,7 +264,7 @@ class Seed:
         solver = method.simulation(scene, spacing=h)
         mode = self._mode(solver.snapshot().X, h)
         share = _share(mode, lambda shot: shot.velocity[:, 0])
-        _, history, row = followed(solver, share)
+        history, row = followed(solver, share)
         energy = np.sqrt(np.abs(history["total_energy [J]"]))
         return row | _left(energy if self.pattern == "noise" else history["share"])
 
@@ -286,7 +287,7 @@ class Checkerboard:
             state.J *= 1.0 + SEED * pattern
         else:
             state.F *= np.cbrt(1.0 + SEED * pattern)[:, None, None]
-        _, history, row = followed(solver, _share(pattern, lambda shot: shot.J - 1.0))
+        history, row = followed(solver, _share(pattern, lambda shot: shot.J - 1.0))
         return row | _left(history["share"])
 
 
@@ -337,8 +338,8 @@ class Pulled:
         solvers = [method.simulation(self.scene(noisy=n), spacing=h) for n in (False, True)]
         start = _distance(*(solver.snapshot() for solver in solvers))
         kept = (Kept(), Kept())
-        found = [followed(*pair) for pair in zip(solvers, kept, strict=True)]
-        row = found[1 if found[0][0].survived else 0][2]
+        clean, noisy = (followed(*pair)[1] for pair in zip(solvers, kept, strict=True))
+        row = noisy if clean["survived"] else clean
         both = list(zip(kept[0].shots, kept[1].shots, strict=False))
         growth = [_distance(*shots) / start for shots in both]
         return row | {

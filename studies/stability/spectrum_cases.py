@@ -18,11 +18,7 @@ from matplotlib.figure import Figure
 import sphsolid as sph
 from sphsolid.continuum import law
 from sphsolid.continuum.tensor import cofactor, determinant
-from sphsolid.defaults import (
-    H_OVER_DX_DISORDERED,
-    NEARLY_INCOMPRESSIBLE,
-    default_cfl,
-)
+from sphsolid.defaults import H_OVER_DX_DISORDERED, NEARLY_INCOMPRESSIBLE, default_cfl
 from sphsolid.errors import require
 from sphsolid.scenes import Box, Constraint, Scene
 from studies.engine.case import Case, Row
@@ -52,10 +48,7 @@ BODIES: dict[str, tuple[Constraint, ...]] = {
     "rollers": tuple(Constraint(face, "normal") for face in ("X-", "Y-", "Z-")),
     INTERIOR: (),
 }
-TITLES = {
-    "free": "free block", "clamped": "clamped block", "rollers": "rollers on three faces",
-    INTERIOR: "interior (plane waves)",
-}  # fmt: skip
+INTEGRATORS = (sph.PositionVerlet(), sph.SSPRK3(), sph.TVDRK2())
 #: Poisson's ratios of the table of limits, for the default stabilisation of each integrator.
 RATIOS = (0.0, 0.3, 0.4, 0.45, 0.495, 0.499, 0.4999)
 SUPPORTS, QUICK_SUPPORTS = (0.7, 0.77, 0.85, 1.0), (0.77, 0.9, 1.0)
@@ -129,9 +122,9 @@ def spectrum(
         return largest_modulus(waves.eigenvalues(cfl))
 
     def fastest(cfl: float) -> Row:
-        return _fastest_wave(waves, cfl) if isinstance(waves, PlaneWaves) else _fastest_mode(
-            linear, cfl
-        )
+        if isinstance(waves, PlaneWaves):
+            return _fastest_wave(waves, cfl)
+        return _fastest_mode(linear, cfl)
 
     labels = {
         "part": "spectrum", "scan": scan_of, "variant": variant, "base": base, "body": block.body,
@@ -238,7 +231,7 @@ def spectrum_cases(*, quick: bool) -> Iterator[Case]:
             yield _case("map", f"{h:g}", name, method.but(h_over_dx=h), Block(nu=nu))
     if quick:
         return
-    for integrator in (sph.PositionVerlet(), sph.SSPRK3(), sph.TVDRK2()):
+    for integrator in INTEGRATORS:
         for nu in RATIOS:
             for formulation in (sph.PF(), sph.PFJ()):
                 # Without tau_p that of {p,F}, and so tabulated: see spectrum_tables.
@@ -363,7 +356,7 @@ def limits_figure(results: Results) -> Figure:
         ax.plot(part["cfl_slow"], y, markerfacecolor="white", **look)
         ax.plot(part["cfl_fast"], y, **look, label=base.name)
     ax.set_yticks(range(len(variants)), variants)
-    ax.set(title=TITLES["free"], xlabel="CFL limit [-]", xlim=(-0.03, 1.05))
+    ax.set(title="free block", xlabel="CFL limit [-]", xlim=(-0.03, 1.05))
     ax.set_ylim(len(variants) - 0.4, -0.6)
     outside_legend(figure, [ax], columns=2)
     return figure
@@ -375,8 +368,7 @@ def default_limits_figure(results: Results) -> Figure:
     require(len(table) > 0, "no limits were computed: run studies.stability without --quick")
     figure, axes = panels(1, table["integrator"].nunique(), width=2.5, height=2.4)
     ratios = sorted(set(table["nu"]))
-    usual = {each.name: default_cfl(each) for each in (sph.PositionVerlet(), sph.SSPRK3(),
-                                                       sph.TVDRK2())}  # fmt: skip
+    usual = {each.name: default_cfl(each) for each in INTEGRATORS}
     for ax, (name, mine) in zip(axes[0], table.groupby("integrator", sort=False), strict=True):
         for formulation, part in mine.groupby("formulation"):
             place = [ratios.index(nu) for nu in part["nu"]]
