@@ -349,6 +349,8 @@ def limits_figure(results: Results) -> Figure:
     ax = axes[0, 0]
     for number, base in enumerate(BASES):
         part = table[table["base"] == base.name]
+        if not len(part):
+            continue
         shift = 0.16 * (number - 0.5 * (len(BASES) - 1))
         y = np.array([variants.index(variant) for variant in part["variant"]]) + shift
         ax.hlines(y, part["cfl_slow"], part["cfl_fast"], color=base.colour, linewidth=1.0)

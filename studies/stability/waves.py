@@ -322,6 +322,8 @@ def vibration_figure(results: Results) -> Figure:
     for ax, (column, label) in zip(axes[0], measures.items(), strict=True):
         for shift, method in enumerate(LONG_METHODS):
             part = table[(table["method"] == method.name) & (table["survived"] == True)]  # noqa: E712
+            if not len(part):
+                continue
             at = [groups.index(key) for key in zip(part["nu"], part["cells"], strict=True)]
             wide = 0.8 / len(LONG_METHODS)
             place = np.array(at) + wide * (shift - 0.5 * (len(LONG_METHODS) - 1))
