@@ -15,6 +15,7 @@ from sphsolid.defaults import NotTabulated, stability_limit
 from sphsolid.recommendation import NotMeasured
 from sphsolid.scenes.stated_deformation import NOT_USED
 from sphsolid.scheme.intrinsic_time import Units
+from sphsolid.scheme.secondary_sums import SecondarySums
 from sphsolid.scheme.stages import Stages
 
 if TYPE_CHECKING:
@@ -125,7 +126,7 @@ def _stabilisation(sim: Simulation) -> str:
 def memory_bytes(sim: Simulation) -> int:
     """Bytes of all arrays that live during a run."""
     rhs = sim._rhs
-    owners = [sim.cloud, rhs, rhs.operator, sim._stepper, *rhs.terms]
+    owners = [sim.cloud, rhs, rhs.operator, sim._stepper, sim._time_step, *rhs.terms]
     held = [*sim.state.values(), *rhs.rates.values()]
     for owner in owners:
         held += _arrays(list(vars(owner).values()))
@@ -144,7 +145,7 @@ def _arrays(values: Sequence[Any]) -> list[Any]:
             found.append(value)
         elif isinstance(value, list | tuple):
             found += _arrays(value)
-        elif isinstance(value, Secondary | Stages):
+        elif isinstance(value, Secondary | SecondarySums | Stages):
             found += _arrays(list(vars(value).values()))
     return found
 

@@ -177,6 +177,7 @@ def run_case(
     folder = ShotFolder(Path(shots))
     folder.clear(key)
     record: list[Recorder] = [Noise(spacing), SaveShots(folder, key, key, times=(until,))]
+    sim.track_budget()
     ran = run(sim, until=until, every=EVERY, record=record)
     if ran.diverged is not None:
         folder.save_diverged(key, key, ran.diverged)

@@ -26,8 +26,7 @@ Array = NDArray[np.float64]
 
 def rates_at(sim: sph.Simulation, *, step: float, t: float = 0.0) -> State:
     """Rates of the state now where the CFL rule allows ``step`` [s]."""
-    if isinstance(sim.stabilisation, sph.SUPG):
-        sim._rhs.times = sim.stabilisation.seconds(Units(sim._time_step.crossing, step))
+    sim._rhs.begin_step(Units(sim._time_step.crossing, step))
     return sim._rhs.evaluate(sim.state, sim.state.x, t)
 
 
