@@ -7,6 +7,7 @@ styles say the same again.
 
 from __future__ import annotations
 
+import io
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
@@ -20,6 +21,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.ticker import FixedLocator, NullFormatter, NullLocator
 from numpy.typing import NDArray
+from PIL import Image
 
 BLACK, ORANGE, SKY, GREEN, YELLOW, BLUE, VERMILION, PURPLE = PALETTE = (
     "#000000", "#E69F00", "#56B4E9", "#009E73", "#F0E442", "#0072B2", "#D55E00", "#CC79A7",
@@ -170,7 +172,12 @@ def save_figure(figure: Figure, path: Path) -> Path:
     nothing: dict[str, Any] = {"CreationDate": None, "Creator": None, "Producer": None}
     with style():
         if path.suffix == ".png":
-            figure.savefig(path, dpi=200, metadata={"Software": None})
+            drawn = io.BytesIO()
+            figure.savefig(drawn, dpi=200, metadata={"Software": None})
+            # 256 colours of its own: a third of the size, and nobody sees a difference.
+            with Image.open(drawn) as image:
+                few = image.convert("RGB").quantize(256, dither=Image.Dither.NONE)
+            few.save(path, optimize=True)
         else:
             figure.savefig(path, metadata=nothing)
     return path

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gzip
 import json
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -14,6 +15,8 @@ from sphsolid.errors import InputError
 from studies.engine.case import write_atomically
 
 Tables = Mapping[str, pd.DataFrame]
+#: Bytes of text above which a table is kept compressed.
+LONG = 200_000
 
 
 @dataclass(frozen=True)
@@ -38,17 +41,31 @@ def read_results(command: str, out: Path) -> Results:
         raise InputError(
             f"{out} holds no finished run of `{command}`; run it without --report-only"
         ) from error
-    tables = {table: _read_csv(out / f"{table}.csv") for table in run["tables"]}
-    return Results(out, tables, _read_csv(out / "failures.csv"), run)
+    tables = {table: read_table(out, table) for table in run["tables"]}
+    return Results(out, tables, read_table(out, "failures"), run)
 
 
-def write_csv(table: pd.DataFrame, path: Path) -> None:
-    """Write a table whole or not at all, floats with ten digits."""
-    write_atomically(path, table.to_csv(index=False, float_format="%.10g"))
+def write_table(table: pd.DataFrame, folder: Path, name: str) -> Path:
+    """Write a table whole or not at all, floats with ten digits; gives its file.
+
+    A long one, more than :data:`LONG` bytes of text, is compressed: ``name.csv.gz``, equal bytes
+    for equal tables.
+    """
+    text = table.to_csv(index=False, float_format="%.10g")
+    plain, packed = (folder / f"{name}.csv{suffix}" for suffix in ("", ".gz"))
+    path, other = (packed, plain) if len(text) > LONG else (plain, packed)
+    # No time and no file name enter the header.
+    write_atomically(path, gzip.compress(text.encode(), mtime=0) if path is packed else text)
+    other.unlink(missing_ok=True)
+    return path
 
 
-def _read_csv(path: Path) -> pd.DataFrame:
+def read_table(folder: Path, name: str) -> pd.DataFrame:
+    """A table that :func:`write_table` wrote; raises ``InputError`` where there is none."""
+    found = [path for path in (folder / f"{name}.csv", folder / f"{name}.csv.gz") if path.exists()]
+    if not found:
+        raise InputError(f"{folder} has no table {name}.csv: run the study again")
     try:
-        return pd.read_csv(path, keep_default_na=False, na_values=["", "nan"])
+        return pd.read_csv(found[0], keep_default_na=False, na_values=["", "nan"])
     except pd.errors.EmptyDataError:
         return pd.DataFrame()

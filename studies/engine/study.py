@@ -34,7 +34,7 @@ from studies.engine.plotting import save_figure, style
 from studies.engine.pool import Processes, Workers, longest_first
 from studies.engine.progress import Reporter, reporter
 from studies.engine.provenance import cores, describe_run
-from studies.engine.results import Results, Tables, read_results, write_csv
+from studies.engine.results import Results, Tables, read_results, write_table
 from studies.engine.scheduler import on_cluster
 from studies.engine.sources import command_of
 from studies.engine.text import document
@@ -244,10 +244,10 @@ def _write(study: Study, out: Path, outcomes: Sequence[Outcome]) -> list[str]:
     tables = study.tables([row for outcome in outcomes for row in outcome.rows])
     require("table" in tables, f"study {study.name}: tables() must return one named 'table'")
     for name, table in tables.items():
-        write_csv(table, out / f"{name}.csv")
+        write_table(table, out, name)
     columns = ["key", "failure", "message", "wall_s"]
     failed = [asdict(outcome) for outcome in outcomes if outcome.failed]
-    write_csv(pd.DataFrame(failed, columns=columns), out / "failures.csv")
+    write_table(pd.DataFrame(failed, columns=columns), out, "failures")
     study.keep(out, tables)
     return list(tables)
 
@@ -255,7 +255,7 @@ def _write(study: Study, out: Path, outcomes: Sequence[Outcome]) -> list[str]:
 def _report(study: Study, results: Results, claims: Sequence[Claim]) -> None:
     """``claims.csv``, the shown PNGs and ``report.pdf``, from the tables alone."""
     if claims:
-        write_csv(claims_table(claims, worst_first=False), results.out / "claims.csv")
+        write_table(claims_table(claims, worst_first=False), results.out, "claims")
     made = results.out / "figures"
 
     def draw(name: str) -> Path:

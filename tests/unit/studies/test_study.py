@@ -12,6 +12,7 @@ import textwrap
 import time
 from pathlib import Path
 
+import numpy as np
 import pandas as pd
 import pytest
 
@@ -21,6 +22,7 @@ from studies.engine import sources, study
 from studies.engine.case import Case, Outcome, case_hash, execute, load, partial_path, store
 from studies.engine.pool import Processes, longest_first
 from studies.engine.progress import Estimate
+from studies.engine.results import read_table, write_table
 from studies.engine.sources import hash_of_sources
 from studies.engine.study import main
 from tests.unit.studies.fake_study import (
@@ -355,3 +357,19 @@ def test_the_start_of_a_worker_is_not_taken_for_its_pace():
     estimate.finished(work[2], Outcome(work[2].key, 1.0))
     assert estimate.seconds_left() == pytest.approx(4.5)
     assert estimate.text() == "4.5 s left"
+
+
+def test_a_long_table_is_compressed_and_read_back_the_same(tmp_path):
+    long = pd.DataFrame({"x": np.linspace(0.0, 1.0, 30_000), "name": "a"})
+    path = write_table(long, tmp_path, "history")
+    assert path.name == "history.csv.gz"
+    first = path.read_bytes()
+    assert len(first) < 150_000
+    write_table(long, tmp_path, "history")
+    assert path.read_bytes() == first
+    pd.testing.assert_frame_equal(read_table(tmp_path, "history"), long, rtol=1e-9)
+    # The other form of an earlier run does not stay beside it.
+    assert write_table(long[:10], tmp_path, "history").name == "history.csv"
+    assert [each.name for each in tmp_path.iterdir()] == ["history.csv"]
+    with pytest.raises(InputError, match=r"no table spectrum\.csv"):
+        read_table(tmp_path, "spectrum")
