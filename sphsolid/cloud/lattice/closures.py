@@ -96,7 +96,7 @@ def difference(order: int, n: int) -> Difference:
         matrix, right = found.freedom(start, basis)
         share = least_squares(matrix, right)
         start = [
-            value + sum((s * vector[i] for s, vector in zip(share, basis, strict=True)), Fraction(0))
+            value + _applied(share, [vector[i] for vector in basis])
             for i, value in enumerate(start)
         ]
     result = found.difference(start)
