@@ -28,8 +28,8 @@ from sphsolid.cloud.lattice.lines import Grid, Lines, Lines4, Lines6
 from sphsolid.compiled import inlined, kernel, overload, prange
 from sphsolid.continuum import law
 from sphsolid.continuum.tensor import axpy, cofactor, determinant
-
-U = np.uint64
+from sphsolid.fields import LANES
+from sphsolid.scheme.tile import STRIDE, U, load_lane, store_lane
 
 
 class RestraintParts(NamedTuple):
@@ -72,7 +72,7 @@ def _central(f, c, at, stride, line):  # type: ignore[no-untyped-def]
 def _across(f, c, line, i, base, stride, count, add, S, q):  # type: ignore[no-untyped-def]
     """Difference of row ``c`` of ``f`` across lines, at ``count`` neighbours on a line.
 
-    ``base`` is the number of the first particle of the line with index 0 along the axis.  Written
+    ``base`` is the number of the first of them on the line with index 0 along the axis.  Written
     to the scratch at ``q``, or added.
     """
     if line.begin <= i and i < line.end:
@@ -96,66 +96,53 @@ def _across(f, c, line, i, base, stride, count, add, S, q):  # type: ignore[no-u
 
 
 @inlined
-def _along(f, c, line, at, add, S, q):  # type: ignore[no-untyped-def]
-    """Difference of row ``c`` of ``f`` along the line that begins at ``at``."""
-    n = line.n
+def _along(f, c, line, at, k0, count, add, S, q):  # type: ignore[no-untyped-def]
+    """Difference of row ``c`` of ``f`` along the line that begins at ``at``, from ``k0`` on."""
     if not add:
-        for k in range(n):
+        for k in range(count):
             S[q + k] = 0.0
-    for k in range(line.begin, line.end):
-        S[q + k] += central(f, c, at + k, U(1), line)
+    end = k0 + count
+    low, high = max(k0, line.begin), min(end, line.end)
+    for k in range(low, high):
+        S[q + k - k0] += central(f, c, at + k, U(1), line)
     for side in range(2):
-        low, high = (U(0), line.begin) if side == 0 else (line.end, n)
-        for k in range(low, high):
+        first = k0 if side == 0 else max(k0, line.end)
+        last = min(end, line.begin) if side == 0 else end
+        for k in range(first, last):
             total = 0.0
             for m in range(U(line.row.shape[1])):
                 total += line.row[k, m] * f[c, at + line.first[k] + m]
-            S[q + k] += total
+            S[q + k - k0] += total
 
 
 @inlined
-def _gradient(f, grid, i, j, row, S, width):  # type: ignore[no-untyped-def]
-    """``grad f`` of the three rows of ``f`` on line ``(i, j)``, to nine scratch rows."""
+def _gradient(f, grid, i, j, k0, count, row, S):  # type: ignore[no-untyped-def]
+    """``grad f`` of the three rows of ``f`` on a piece of line ``(i, j)``, to scratch rows."""
     ny, nz = grid.y.n, grid.z.n
     plane = ny * nz
     for c in range(U(3)):
-        q = (U(row) + U(3) * c) * width
-        _across(f, c, grid.x, i, j * nz, plane, nz, False, S, q)
-        _across(f, c, grid.y, j, i * plane, nz, nz, False, S, q + width)
-        _along(f, c, grid.z, i * plane + j * nz, False, S, q + U(2) * width)
-
-
-@inlined
-def _tensor(S, row, width, k):  # type: ignore[no-untyped-def]
-    q = U(row) * width + k
-    return (
-        S[q], S[q + width], S[q + U(2) * width],
-        S[q + U(3) * width], S[q + U(4) * width], S[q + U(5) * width],
-        S[q + U(6) * width], S[q + U(7) * width], S[q + U(8) * width],
-    )  # fmt: skip
+        q = U(row * STRIDE) + c * U(3 * STRIDE)
+        _across(f, c, grid.x, i, j * nz + k0, plane, count, False, S, q)
+        _across(f, c, grid.y, j, i * plane + k0, nz, count, False, S, q + U(STRIDE))
+        _along(f, c, grid.z, i * plane + j * nz, k0, count, False, S, q + U(2 * STRIDE))
 
 
 @inlined
 def _smooth_line(S, q, line):  # type: ignore[no-untyped-def]
-    """Filter a scratch row along itself, in place."""
+    """Filter a scratch line along itself, in place."""
     n = line.n
     before = S[q]
     for k in range(n - U(1)):
         here, after = S[q + k], S[q + k + U(1)]
-        flux = 0.25 * (after - here)
-        left = 0.25 * (here - before)
-        S[q + k] = here + (flux - left) / line.weight[k]
+        S[q + k] = here + (0.25 * (after - here) - 0.25 * (here - before)) / line.weight[k]
         before = here
     last = n - U(1)
     S[q + last] -= 0.25 * (S[q + last] - before) / line.weight[last]
 
 
 @inlined
-def _smooth_plane(S, plane, T, line_y, line_z, out, at):  # type: ignore[no-untyped-def]
-    """Filter a plane of scratch lines along both of its axes, and write it to ``out`` from ``at``.
-
-    ``T`` is room for one line.
-    """
+def _smooth_plane(S, plane, line_y, line_z, out, at):  # type: ignore[no-untyped-def]
+    """Filter a plane of scratch lines along both axes, and write it to ``out`` from ``at``."""
     ny, nz = line_y.n, line_z.n
     for j in range(ny):
         _smooth_line(S, plane + j * nz, line_z)
@@ -195,6 +182,12 @@ def _smooth_across(f, line, i, at, stride, count, S, q):  # type: ignore[no-unty
             )
 
 
+#: Scratch rows of a piece of a line; a plane of lines follows them.
+_F, _L, _P, _E, _V, _R, _PT = 0, 9, 18, 27, 30, 33, 36
+_ROWS = 37
+_PLANE = _ROWS * STRIDE
+
+
 @kernel
 def dilatation(along_x, along_y, along_z, x, out, scratch):  # type: ignore[no-untyped-def]
     """``J`` of positions ``x (3, .)``, filtered in the planes of the two fast axes, ``(1, .)``."""
@@ -204,13 +197,17 @@ def dilatation(along_x, along_y, along_z, x, out, scratch):  # type: ignore[no-u
         S = scratch[t]
         # Made here: numba takes no tuple of tuples into a parallel loop.
         grid = Grid(along_x, along_y, along_z)
-        plane = U(9) * nz
         for i in range(U(t) * nx // U(workers), (U(t) + U(1)) * nx // U(workers)):
             for j in range(ny):
-                _gradient(x, grid, i, j, 0, S, nz)
-                for k in range(nz):
-                    S[plane + j * nz + k] = determinant(_tensor(S, 0, nz, k))
-            _smooth_plane(S, plane, U(0), grid.y, grid.z, out, i * ny * nz)
+                for k0 in range(U(0), nz, U(LANES)):
+                    count = min(U(LANES), nz - k0)
+                    _gradient(x, grid, i, j, k0, count, 0, S)
+                    for k in range(count):
+                        S[U(_PT * STRIDE) + k] = determinant(load_lane(S, _F, k))
+                    q = U(_PLANE) + j * nz + k0
+                    for k in range(count):
+                        S[q + k] = S[U(_PT * STRIDE) + k]
+            _smooth_plane(S, U(_PLANE), grid.y, grid.z, out, i * ny * nz)
 
 
 @kernel
@@ -220,22 +217,13 @@ def smoothed_pressure(along_x, along_y, along_z, material, J, out, scratch):  # 
     workers = len(scratch)
     for t in prange(workers):
         S = scratch[t]
-        # Made here: numba takes no tuple of tuples into a parallel loop.
-        grid = Grid(along_x, along_y, along_z)
-        plane = U(9) * nz
         for i in range(U(t) * nx // U(workers), (U(t) + U(1)) * nx // U(workers)):
             for j in range(ny):
-                q = plane + j * nz
-                _smooth_across(J, grid.x, i, (i * ny + j) * nz, ny * nz, nz, S, q)
+                q = U(_PLANE) + j * nz
+                _smooth_across(J, along_x, i, (i * ny + j) * nz, ny * nz, nz, S, q)
                 for k in range(nz):
                     S[q + k] = law.volumetric_pressure(material, S[q + k])
-            _smooth_plane(S, plane, U(0), grid.y, grid.z, out, i * ny * nz)
-
-
-# Scratch rows of ``stress``.
-_F, _L, _P, _E, _V, _PT = 0, 9, 18, 27, 30, 33
-#: Scratch lines that a thread needs, and as many planes.
-ROWS = 34
+            _smooth_plane(S, U(_PLANE), along_y, along_z, out, i * ny * nz)
 
 
 @inlined
@@ -257,148 +245,174 @@ def _second(f, c, at, stride, count, S, q):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def _restrain(parts, line, index, axis, x, p, density, at, stride, low, high, S, width, R):  # type: ignore[no-untyped-def]
-    """``R`` of one axis on a line, and what its viscous part adds to the stress."""
-    nz = width
-    reach = line.reach
-    for c in range(U(3)):
-        for k in range(nz):
-            R[U(3) * axis + c, at + k] = 0.0
-    inside = reach > U(0) and reach <= index and index + reach < line.n
+def _restrain(parts, line, axis, x, p, density, at, stride, low, high, count, inside, own, S, R):  # type: ignore[no-untyped-def]
+    """``R`` of one axis on a piece of a line, and what its viscous part adds to the stress.
+
+    ``at`` is the first of ``count`` particles; those from ``low`` to ``high`` have a difference
+    about them.  The reciprocal weights of the middles along the axis are in the scratch at ``own``.
+    """
     if not inside or high <= low:
+        for c in range(U(3)):
+            for k in range(count):
+                R[U(3 * axis) + c, at + k] = 0.0
         return
-    count = high - low
     for c in range(U(3)):
-        q = U(_E) * width + c * width + low
-        r = U(_V) * width + c * width + low
-        if reach == U(2):
-            _fourth(x, c, at + low, stride, count, S, q)
-            _fourth(p, c, at + low, stride, count, S, r)
+        q = U(_E * STRIDE) + c * U(STRIDE)
+        r = U(_V * STRIDE) + c * U(STRIDE)
+        for k in range(count):
+            S[q + k] = 0.0
+            S[r + k] = 0.0
+        if line.reach == U(2):
+            _fourth(x, c, at + low, stride, high - low, S, q + low)
+            _fourth(p, c, at + low, stride, high - low, S, r + low)
         else:
-            _second(x, c, at + low, stride, count, S, q)
-            _second(p, c, at + low, stride, count, S, r)
+            _second(x, c, at + low, stride, high - low, S, q + low)
+            _second(p, c, at + low, stride, high - low, S, r + low)
     stiffness = parts.stiffness / (line.dx * line.dx * line.dx * line.dx)
     viscosity = parts.viscosity / line.dx
-    e, v = U(_E) * width, U(_V) * width
-    w2 = width + width
-    for k in range(low, high):
-        e0, e1, e2 = S[e + k], S[e + width + k], S[e + w2 + k]
-        v0, v1, v2 = S[v + k] / density, S[v + width + k] / density, S[v + w2 + k] / density
-        F, L, P = _tensor(S, _F, width, k), _tensor(S, _L, width, k), _tensor(S, _P, width, k)
-        s0 = F[0] * v0 + F[3] * v1 + F[6] * v2 + L[0] * e0 + L[3] * e1 + L[6] * e2
-        s1 = F[1] * v0 + F[4] * v1 + F[7] * v2 + L[1] * e0 + L[4] * e1 + L[7] * e2
-        s2 = F[2] * v0 + F[5] * v1 + F[8] * v2 + L[2] * e0 + L[5] * e1 + L[8] * e2
+    per_mass = 1.0 / density
+    for k in range(count):
+        e0 = S[U(_E * STRIDE) + k]
+        e1 = S[U((_E + 1) * STRIDE) + k]
+        e2 = S[U((_E + 2) * STRIDE) + k]
+        v0 = S[U(_V * STRIDE) + k] * per_mass
+        v1 = S[U((_V + 1) * STRIDE) + k] * per_mass
+        v2 = S[U((_V + 2) * STRIDE) + k] * per_mass
+        F, L, P = load_lane(S, _F, k), load_lane(S, _L, k), load_lane(S, _P, k)
+        s0 = F[0] * v0 + F[3] * v1 + F[6] * v2 + (L[0] * e0 + L[3] * e1 + L[6] * e2) * per_mass
+        s1 = F[1] * v0 + F[4] * v1 + F[7] * v2 + (L[1] * e0 + L[4] * e1 + L[7] * e2) * per_mass
+        s2 = F[2] * v0 + F[5] * v1 + F[8] * v2 + (L[2] * e0 + L[5] * e1 + L[8] * e2) * per_mass
         s0, s1, s2 = viscosity * s0, viscosity * s1, viscosity * s2
         spring = stiffness * (e0 * e0 + e1 * e1 + e2 * e2)
-        a = at + k
-        R[U(3) * axis, a] = spring * e0 + F[0] * s0 + F[1] * s1 + F[2] * s2
-        R[U(3) * axis + U(1), a] = spring * e1 + F[3] * s0 + F[4] * s1 + F[5] * s2
-        R[U(3) * axis + U(2), a] = spring * e2 + F[6] * s0 + F[7] * s1 + F[8] * s2
-        # The middle of the difference is a particle of this line: its own weight, or that of k.
-        own = 1.0 / (line.weight[k] if axis == U(2) else line.weight[index])
-        q = U(_P) * width + k
-        S[q] = P[0] + own * e0 * s0
-        S[q + width] = P[1] + own * e0 * s1
-        S[q + U(2) * width] = P[2] + own * e0 * s2
-        S[q + U(3) * width] = P[3] + own * e1 * s0
-        S[q + U(4) * width] = P[4] + own * e1 * s1
-        S[q + U(5) * width] = P[5] + own * e1 * s2
-        S[q + U(6) * width] = P[6] + own * e2 * s0
-        S[q + U(7) * width] = P[7] + own * e2 * s1
-        S[q + U(8) * width] = P[8] + own * e2 * s2
+        S[U(_R * STRIDE) + k] = spring * e0 + (F[0] * s0 + F[1] * s1 + F[2] * s2)
+        S[U((_R + 1) * STRIDE) + k] = spring * e1 + (F[3] * s0 + F[4] * s1 + F[5] * s2)
+        S[U((_R + 2) * STRIDE) + k] = spring * e2 + (F[6] * s0 + F[7] * s1 + F[8] * s2)
+        # The middle of the difference is a particle: the share of its own norm along the axis.
+        w = S[own + k]
+        e0, e1, e2 = w * e0, w * e1, w * e2
+        added = (
+            P[0] + e0 * s0, P[1] + e0 * s1, P[2] + e0 * s2,
+            P[3] + e1 * s0, P[4] + e1 * s1, P[5] + e1 * s2,
+            P[6] + e2 * s0, P[7] + e2 * s1, P[8] + e2 * s2,
+        )  # fmt: skip
+        store_lane(added, S, _P, k)
+    for c in range(U(3)):
+        q = U(_R * STRIDE) + c * U(STRIDE)
+        for k in range(count):
+            R[U(3 * axis) + c, at + k] = S[q + k]
 
 
 @kernel
-def stress(along_x, along_y, along_z, material, parts, x, p, pressure, P, R, scratch):  # type: ignore[no-untyped-def]
+def stress(  # type: ignore[no-untyped-def]
+    along_x, along_y, along_z, material, parts, x, p, pressure, P, R, scratch
+):
     """``P (9, .)`` and ``R (9, .)``; ``pressure (1, .)`` is what ``smoothed_pressure`` wrote."""
     nx, ny, nz = along_x.n, along_y.n, along_z.n
     workers, plane = len(scratch), ny * nz
     for t in prange(workers):
         S = scratch[t]
-        # Made here: numba takes no tuple of tuples into a parallel loop.
         grid = Grid(along_x, along_y, along_z)
+        own = U(_PT * STRIDE)
+        rho = material.density
         for i in range(U(t) * nx // U(workers), (U(t) + U(1)) * nx // U(workers)):
+            in_x = grid.x.reach > U(0) and grid.x.reach <= i and i + grid.x.reach < nx
             for j in range(ny):
-                at = (i * ny + j) * nz
-                _gradient(x, grid, i, j, _F, S, nz)
-                _gradient(p, grid, i, j, _L, S, nz)
-                for q in range(U(_L) * nz, U(_P) * nz):
-                    S[q] /= material.density
-                _smooth_across(pressure, grid.x, i, at, plane, nz, S, U(_PT) * nz)
-                for k in range(nz):
-                    F = _tensor(S, _F, nz, k)
-                    H, J = cofactor(F), determinant(F)
-                    excess = S[U(_PT) * nz + k] - law.volumetric_pressure(material, J)
-                    A = axpy(excess, H, law.first_piola(material, F, H, J))
-                    q = U(_P) * nz + k
-                    S[q] = A[0]
-                    S[q + nz] = A[1]
-                    S[q + U(2) * nz] = A[2]
-                    S[q + U(3) * nz] = A[3]
-                    S[q + U(4) * nz] = A[4]
-                    S[q + U(5) * nz] = A[5]
-                    S[q + U(6) * nz] = A[6]
-                    S[q + U(7) * nz] = A[7]
-                    S[q + U(8) * nz] = A[8]
-                rho = material.density
-                _restrain(
-                    parts, grid.x, i, U(0), x, p, rho, at, plane, U(0), nz, S, nz, R
-                )
-                _restrain(parts, grid.y, j, U(1), x, p, rho, at, nz, U(0), nz, S, nz, R)
-                reach = grid.z.reach
-                _restrain(
-                    parts, grid.z, reach, U(2), x, p, rho, at, U(1), reach, nz - reach, S, nz, R
-                )
-                for c in range(U(9)):
-                    for k in range(nz):
-                        P[c, at + k] = S[(U(_P) + c) * nz + k]
+                in_y = grid.y.reach > U(0) and grid.y.reach <= j and j + grid.y.reach < ny
+                for k0 in range(U(0), nz, U(LANES)):
+                    count = min(U(LANES), nz - k0)
+                    at = (i * ny + j) * nz + k0
+                    _gradient(x, grid, i, j, k0, count, _F, S)
+                    _gradient(p, grid, i, j, k0, count, _L, S)
+                    _smooth_across(pressure, grid.x, i, at, plane, count, S, U(_PT * STRIDE))
+                    for k in range(count):
+                        F = load_lane(S, _F, k)
+                        H, J = cofactor(F), determinant(F)
+                        excess = S[U(_PT * STRIDE) + k] - law.volumetric_pressure(material, J)
+                        store_lane(axpy(excess, H, law.first_piola(material, F, H, J)), S, _P, k)
+                    for k in range(count):
+                        S[own + k] = 1.0 / grid.x.weight[i]
+                    _restrain(
+                        parts, grid.x, 0, x, p, rho, at, plane, U(0), count, count, in_x, own, S, R
+                    )
+                    for k in range(count):
+                        S[own + k] = 1.0 / grid.y.weight[j]
+                    _restrain(
+                        parts, grid.y, 1, x, p, rho, at, nz, U(0), count, count, in_y, own, S, R
+                    )
+                    for k in range(count):
+                        S[own + k] = 1.0 / grid.z.weight[k0 + k]
+                    reach, past = grid.z.reach, nz - grid.z.reach
+                    low = reach - k0 if reach > k0 else U(0)
+                    high = count if k0 + count <= past else past - k0 if past > k0 else U(0)
+                    _restrain(
+                        parts, grid.z, 2, x, p, rho, at, U(1), low, high, count, reach > U(0), own,
+                        S, R,
+                    )  # fmt: skip
+                    for c in range(U(9)):
+                        q = U(_P * STRIDE) + c * U(STRIDE)
+                        for k in range(count):
+                            P[c, at + k] = S[q + k]
 
 
 @inlined
 def _take_back(R, c, line, index, at, stride, count, S, q):  # type: ignore[no-untyped-def]
-    """Subtract ``H^-1 D^T R`` across lines."""
+    """Subtract ``H^-1 D^T R`` across lines; ``D`` is symmetric about its middle."""
     reach = line.reach
+    share = 1.0 / line.weight[index]
+    if reach == U(2) and U(2) <= index and index + U(2) < line.n:
+        for k in range(count):
+            a = at + k
+            value = (
+                (R[c, a + U(2) * stride] + R[c, a - U(2) * stride])
+                - 4.0 * (R[c, a + stride] + R[c, a - stride])
+                + 6.0 * R[c, a]
+            )
+            S[q + k] -= share * value
+        return
     for m in range(U(2) * reach + U(1)):
-        # D is symmetric about its middle, so D^T has the same coefficients.
         if reach == U(2):
             w = 6.0 if m == U(2) else (-4.0 if m == U(1) or m == U(3) else 1.0)
         else:
             w = 2.0 if m == U(1) else -1.0
         if index + m >= reach and index + m - reach < line.n:
-            share = w / line.weight[index]
             b = at + m * stride - reach * stride
             for k in range(count):
-                S[q + k] -= share * R[c, b + k]
+                S[q + k] -= share * w * R[c, b + k]
 
 
 @inlined
-def _take_back_along(R, c, line, at, S, q):  # type: ignore[no-untyped-def]
-    """The same along the line; ``R`` is zero at its ends."""
+def _take_back_along(R, c, line, at, k0, count, S, q):  # type: ignore[no-untyped-def]
+    """The same along the line, from ``k0`` on; ``at`` is its first particle."""
     n, reach = line.n, line.reach
+    if reach == U(0):
+        return
+    low, high = max(k0, reach), min(k0 + count, n - reach)
     if reach == U(2):
-        for k in range(U(2), n - U(2)):
+        for k in range(low, high):
             a = at + k
             value = (
                 (R[c, a + U(2)] + R[c, a - U(2)])
                 - 4.0 * (R[c, a + U(1)] + R[c, a - U(1)])
                 + 6.0 * R[c, a]
             )
-            S[q + k] -= value / line.weight[k]
-        last = n - U(1)
-        S[q] -= R[c, at + U(2)] / line.weight[0]
-        S[q + last] -= R[c, at + last - U(2)] / line.weight[last]
-        near = last - U(1)
-        one = -4.0 * R[c, at + U(2)] + (R[c, at + U(3)] if n > U(5) else 0.0)
-        S[q + U(1)] -= one / line.weight[1]
-        other = -4.0 * R[c, at + last - U(2)] + (R[c, at + last - U(3)] if n > U(5) else 0.0)
-        S[q + near] -= other / line.weight[near]
-    elif reach == U(1):
-        last = n - U(1)
-        for k in range(U(1), last):
+            S[q + k - k0] -= value / line.weight[k]
+    else:
+        for k in range(low, high):
             a = at + k
-            S[q + k] -= (2.0 * R[c, a] - (R[c, a + U(1)] + R[c, a - U(1)])) / line.weight[k]
-        S[q] += R[c, at + U(1)] / line.weight[0]
-        S[q + last] += R[c, at + last - U(1)] / line.weight[last]
+            S[q + k - k0] -= (2.0 * R[c, a] - (R[c, a + U(1)] + R[c, a - U(1)])) / line.weight[k]
+    for side in range(2):
+        first = k0 if side == 0 else max(k0, n - reach)
+        last = min(k0 + count, reach) if side == 0 else k0 + count
+        for k in range(first, last):
+            total = 0.0
+            for m in range(U(2) * reach + U(1)):
+                if reach == U(2):
+                    w = 6.0 if m == U(2) else (-4.0 if m == U(1) or m == U(3) else 1.0)
+                else:
+                    w = 2.0 if m == U(1) else -1.0
+                if k + m >= reach and k + m - reach < n:
+                    total += w * R[c, at + k + m - reach]
+            S[q + k - k0] -= total / line.weight[k]
 
 
 @kernel
@@ -408,35 +422,38 @@ def force(along_x, along_y, along_z, P, R, out, scratch):  # type: ignore[no-unt
     workers, plane = len(scratch), ny * nz
     for t in prange(workers):
         S = scratch[t]
-        # Made here: numba takes no tuple of tuples into a parallel loop.
         grid = Grid(along_x, along_y, along_z)
         for i in range(U(t) * nx // U(workers), (U(t) + U(1)) * nx // U(workers)):
             for j in range(ny):
-                at = (i * ny + j) * nz
-                for c in range(U(3)):
-                    q = c * nz
-                    r = U(3) * c
-                    _across(P, r, grid.x, i, j * nz, plane, nz, False, S, q)
-                    _across(P, r + U(1), grid.y, j, i * plane, nz, nz, True, S, q)
-                    _along(P, r + U(2), grid.z, at, True, S, q)
-                    if i == U(0) or i == nx - U(1):
-                        w = grid.x.edge if i == U(0) else -grid.x.edge
-                        for k in range(nz):
-                            S[q + k] += w * P[r, at + k]
-                    if j == U(0) or j == ny - U(1):
-                        w = grid.y.edge if j == U(0) else -grid.y.edge
-                        for k in range(nz):
-                            S[q + k] += w * P[r + U(1), at + k]
-                    S[q] += grid.z.edge * P[r + U(2), at]
-                    S[q + nz - U(1)] -= grid.z.edge * P[r + U(2), at + nz - U(1)]
-                    _take_back(R, c, grid.x, i, at, plane, nz, S, q)
-                    _take_back(R, U(3) + c, grid.y, j, at, nz, nz, S, q)
-                    _take_back_along(R, U(6) + c, grid.z, at, S, q)
-                    for k in range(nz):
-                        out[c, at + k] = S[q + k]
+                line = (i * ny + j) * nz
+                for k0 in range(U(0), nz, U(LANES)):
+                    count = min(U(LANES), nz - k0)
+                    at = line + k0
+                    for c in range(U(3)):
+                        q = c * U(STRIDE)
+                        r = U(3) * c
+                        _across(P, r, grid.x, i, j * nz + k0, plane, count, False, S, q)
+                        _across(P, r + U(1), grid.y, j, i * plane + k0, nz, count, True, S, q)
+                        _along(P, r + U(2), grid.z, line, k0, count, True, S, q)
+                        if i == U(0) or i == nx - U(1):
+                            w = grid.x.edge if i == U(0) else -grid.x.edge
+                            for k in range(count):
+                                S[q + k] += w * P[r, at + k]
+                        if j == U(0) or j == ny - U(1):
+                            w = grid.y.edge if j == U(0) else -grid.y.edge
+                            for k in range(count):
+                                S[q + k] += w * P[r + U(1), at + k]
+                        if k0 == U(0):
+                            S[q] += grid.z.edge * P[r + U(2), line]
+                        if k0 + count == nz:
+                            S[q + count - U(1)] -= grid.z.edge * P[r + U(2), line + nz - U(1)]
+                        _take_back(R, c, grid.x, i, at, plane, count, S, q)
+                        _take_back(R, U(3) + c, grid.y, j, at, nz, count, S, q)
+                        _take_back_along(R, U(6) + c, grid.z, line, k0, count, S, q)
+                        for k in range(count):
+                            out[c, at + k] = S[q + k]
 
 
 def make_scratch(grid: Grid, workers: int) -> Any:
-    """Scratch ``(workers, .)``: some lines and a plane for every thread."""
-    ny, nz = int(grid.y.n), int(grid.z.n)
-    return np.ones((workers, (ROWS + ny) * nz))
+    """Scratch ``(workers, .)``: some rows and a plane for every thread."""
+    return np.ones((workers, _PLANE + int(grid.y.n) * int(grid.z.n)))

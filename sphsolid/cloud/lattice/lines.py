@@ -17,10 +17,10 @@ class Lines(NamedTuple):
     """Differences of order two along the lines of one axis of ``n`` points, ``dx`` [m] apart.
 
     Rows ``begin <= i < end`` are ``sum_m a_m (f_(i+m) - f_(i-m))`` [1/m], ``a = (one, two,
-    three)``; the others are ``sum_m row[i, m] f_(first[i] + m)`` [1/m].  ``weight (n,)`` is the norm, so that ``dx
-    weight`` are lengths of the line; ``edge`` [1/m] is ``1 / (dx weight_0)``, what the boundary
-    term of the adjoint takes.  ``reach`` is half the width of the restraint's difference: two for
-    the fourth, one for the second, none where there are too few points.
+    three)``; the others are ``sum_m row[i, m] f_(first[i] + m)`` [1/m].  ``weight (n,)`` is the
+    norm, so that ``dx weight`` are lengths of the line.  ``edge`` [1/m] is ``1 / (dx weight_0)``,
+    what the boundary term of the adjoint takes.  ``reach`` is half the width of the restraint's
+    difference: two for the fourth, one for the second, none where there are too few points.
     """
 
     n: np.uint64
