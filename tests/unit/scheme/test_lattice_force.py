@@ -114,7 +114,8 @@ def test_the_dashpot_is_symmetric_takes_energy_and_leaves_rigid_motions_alone(bo
     g = body.force(DASHPOT, p=other) - still
     assert body.power(f, other) == pytest.approx(body.power(g), rel=1e-10)
     assert body.power(f) < 0.0
-    spin = [*np.cross([1.0, -2.0, 0.5], body.x.T).T, [3.0], [1.0], [-2.0]]
+    shift = np.array([[3.0], [1.0], [-2.0]])
+    spin = np.cross([1.0, -2.0, 0.5], body.x.T).T + shift
     rigid = body.force(DASHPOT, p=body.field(1100.0 * spin[:, : body.size])) - still
     assert np.abs(rigid).max() < 1e-11 * np.abs(f).max()
 
