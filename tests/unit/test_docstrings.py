@@ -16,8 +16,12 @@ BIBLIOGRAPHY = ROOT / "docs" / "references.bib"
 CITED = re.compile(r"\[([^\[\]]*)\]")
 KEY = re.compile(r"\b([A-Z][A-Za-z]+(?:18|19|20)\d\d[a-z]?)\b")
 
-#: What an article has beside author and title.
-ARTICLE = ("journal", "volume", "pages")
+#: What an article, a book and a part of a book have beside author and title.
+FIELDS = {
+    "article": ("journal", "volume", "pages"),
+    "book": ("publisher",),
+    "incollection": ("booktitle", "publisher", "pages"),
+}
 
 Documented = ast.Module | ast.ClassDef | ast.FunctionDef | ast.AsyncFunctionDef
 
@@ -95,8 +99,8 @@ def test_the_bibliography_is_sound():
         year = re.search(r"year\s*=\s*\{(\d{4})\}", block)
         assert year, key
         assert year.group(1) in key
-        book = block.startswith("book")
-        for field in ("author", "title", *(("publisher",) if book else ARTICLE)):
+        kind = block.split("{")[0]
+        for field in ("author", "title", *FIELDS[kind]):
             assert re.search(rf"^\s*{field}\s*=", block, re.M), (key, field)
         assert block.count("{") == block.count("}"), f"{key}: braces do not match"
 
