@@ -34,13 +34,22 @@ class Results:
 
 
 def read_results(command: str, out: Path) -> Results:
-    """What an earlier run by ``command`` wrote to ``out``; raises ``InputError`` without one."""
+    """What an earlier run by ``command`` wrote to ``out``.
+
+    Raises ``InputError`` where there is none, or where it was made before the engine: its tables
+    have other names and columns.
+    """
     try:
         run = json.loads((out / "run.json").read_text(encoding="utf-8"))
     except OSError as error:
         raise InputError(
             f"{out} holds no finished run of `{command}`; run it without --report-only"
         ) from error
+    if "study_hash" not in run or "tables" not in run:
+        raise InputError(
+            f"{out} was made on {run.get('date_utc', 'an unknown day')} by an earlier form of the "
+            f"study, whose tables this one cannot read; run `{command}` without --report-only"
+        )
     tables = {table: read_table(out, table) for table in run["tables"]}
     return Results(out, tables, read_table(out, "failures"), run)
 

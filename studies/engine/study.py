@@ -36,7 +36,7 @@ from studies.engine.progress import Reporter, reporter
 from studies.engine.provenance import cores, describe_run
 from studies.engine.results import Results, Tables, read_results, write_table
 from studies.engine.scheduler import on_cluster
-from studies.engine.sources import command_of
+from studies.engine.sources import command_of, hash_of_sources
 from studies.engine.text import document
 from studies.engine.typeset import write_pdf
 from studies.engine.warm_up import warm_up
@@ -107,8 +107,7 @@ def main(study: Study, argv: Sequence[str] | None = None) -> int:
         if len(results.tables["table"]) == 0:
             print(_closing_lines(results), file=sys.stderr)
             return 1
-        claims = list(study.claims(results.tables))
-        _report(study, results, claims)
+        claims = _judged(study, results)
     except InputError as error:
         print(f"error: {error}", file=sys.stderr)
         return 2
@@ -250,6 +249,21 @@ def _write(study: Study, out: Path, outcomes: Sequence[Outcome]) -> list[str]:
     write_table(pd.DataFrame(failed, columns=columns), out, "failures")
     study.keep(out, tables)
     return list(tables)
+
+
+def _judged(study: Study, results: Results) -> list[Claim]:
+    """The claims, once they and the report are made; a column that older tables lack is said."""
+    try:
+        claims = list(study.claims(results.tables))
+        _report(study, results, claims)
+    except (LookupError, AttributeError) as error:
+        if results.run["study_hash"] == hash_of_sources(study.module):
+            raise
+        raise InputError(
+            f"the tables in {results.out} were made by other sources of the study and lack "
+            f"{error}; run `{study.command}` without --report-only"
+        ) from error
+    return claims
 
 
 def _report(study: Study, results: Results, claims: Sequence[Claim]) -> None:

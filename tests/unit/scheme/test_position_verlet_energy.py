@@ -1,4 +1,4 @@
-"""Position Verlet: the energy ledger closes, and nothing drifts, grows or is lost to the step."""
+"""Position Verlet: the energy budget closes, and nothing drifts, grows or is lost to the step."""
 
 from __future__ import annotations
 

@@ -373,3 +373,23 @@ def test_a_long_table_is_compressed_and_read_back_the_same(tmp_path):
     assert [each.name for each in tmp_path.iterdir()] == ["history.csv"]
     with pytest.raises(InputError, match=r"no table spectrum\.csv"):
         read_table(tmp_path, "spectrum")
+
+
+def test_tables_of_an_earlier_form_are_refused_in_one_line(tmp_path, capsys):
+    fake = study_of([power(h) for h in (0.5, 0.25)], tmp_path, text=SHORT)
+    out = ["--out", str(tmp_path / "out")]
+    assert main(fake, [*out, "--jobs", "1"]) == 0
+    run = tmp_path / "out" / "run.json"
+    known = json.loads(run.read_text())
+    # Made by other sources of the study, whose tables lack what the text asks for.
+    (tmp_path / "out" / "orders.csv").write_text("slope\n1.0\n")
+    run.write_text(json.dumps(known | {"study_hash": "another"}))
+    capsys.readouterr()
+    assert main(fake, [*out, "--report-only"]) == 2
+    said = capsys.readouterr().err
+    assert said.startswith("error: ")
+    assert "without --report-only" in said or "order_last" in said
+    # Made before there was an engine.
+    run.write_text(json.dumps({name: known[name] for name in known if name != "study_hash"}))
+    assert main(fake, [*out, "--report-only"]) == 2
+    assert "earlier form of the study" in capsys.readouterr().err

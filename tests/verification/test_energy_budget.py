@@ -1,4 +1,4 @@
-"""The energy ledger and the momentum account, on scenes where every term acts at once.
+"""The energy budget and the momentum budget, on scenes where every term acts at once.
 
 The works are integrated by the scheme's own stages, so what is left over is the integrator's
 error: it must fall with the step whatever the formulation, the stabilisation, the operator, the
