@@ -40,6 +40,7 @@ from sphsolid.cloud.operator import Consistent, OperatorKind, SummationByParts
 from sphsolid.cloud.secondary import H1, SecondaryPoints
 from sphsolid.errors import InputError
 from sphsolid.geometry.mesh import Mesh
+from sphsolid.scheme.dilatation import Dilatation, OwnDilatation
 from sphsolid.scheme.formulation import Formulation
 from sphsolid.scheme.initial_strain import Compatible, Equilibrated, Given, InitialStrain
 from sphsolid.scheme.integrator import Integrator as Integrator
@@ -76,6 +77,11 @@ class StabilityLimit:
 def default_integrator() -> Integrator:
     """Position Verlet."""
     return PositionVerlet()
+
+
+def default_dilatation() -> Dilatation:
+    """Each particle's own."""
+    return OwnDilatation()
 
 
 def default_cfl(integrator: Integrator) -> float:

@@ -17,6 +17,7 @@ from sphsolid.cloud.smoothing import SmoothingFunction, WendlandC2, check_smooth
 from sphsolid.continuum.check_law import check_first_use
 from sphsolid.defaults import (
     default_cfl,
+    default_dilatation,
     default_integrator,
     default_stabilisation,
     largest_stable_cfl,
@@ -29,6 +30,7 @@ from sphsolid.recommendation import Recommendation, recommend
 from sphsolid.record.probes import check_probes
 from sphsolid.scenes.checks import as_float, number
 from sphsolid.scenes.scene import Scene, check_scene
+from sphsolid.scheme.dilatation import Dilatation, check_dilatation
 from sphsolid.scheme.formulation import Formulation
 from sphsolid.scheme.initial_strain import InitialStrain, check_initial_strain
 from sphsolid.scheme.integrator import Integrator, check_integrator
@@ -39,7 +41,8 @@ from sphsolid.scheme.time_step import check_cfl
 
 #: What is chosen from the scene where nothing is given.
 CHOSEN = (
-    "stabilisation", "h_over_dx", "integrator", "cfl", "formulation", "operator", "smoothing",
+    "stabilisation", "dilatation", "h_over_dx", "integrator", "cfl", "formulation", "operator",
+    "smoothing",
 )  # fmt: skip
 
 
@@ -50,6 +53,7 @@ class Options:
     spacing: Spacing
     formulation: Formulation | None
     stabilisation: Stabilisation | None
+    dilatation: Dilatation | None
     terms: Sequence[TermOption]
     operator: OperatorKind | None
     smoothing: SmoothingFunction | None
@@ -93,6 +97,7 @@ class Method:
     cfl: float
     mesh: Mesh
     stabilisation: Stabilisation
+    dilatation: Dilatation
     terms: tuple[TermOption, ...]
     angular_momentum: AngularMomentumTreatment
 
@@ -114,12 +119,12 @@ def choose(scene: Scene, options: Options) -> Method:
     cfl = _cfl(options, integrator, formulation, material)
     if options.stabilisation is not None:
         check_pair(formulation, options.stabilisation)
+    dilatation = default_dilatation() if options.dilatation is None else options.dilatation
+    check_dilatation(formulation, dilatation)
     for term in options.terms:
         check_term_option("a member of terms", term, "use SUPG(...)")
         term.check(formulation)
-    treatment = (
-        LocalProjection() if options.angular_momentum is None else options.angular_momentum
-    )
+    treatment = LocalProjection() if options.angular_momentum is None else options.angular_momentum
     check_projection(treatment)
     _check_discretisation(options)
     mesh = scene.body.mesh(options.spacing)
@@ -131,8 +136,8 @@ def choose(scene: Scene, options: Options) -> Method:
         )
         check_pair(formulation, stabilisation)
     return Method(
-        material, integrator, advice, formulation, cfl, mesh, stabilisation, tuple(options.terms),
-        treatment,
+        material, integrator, advice, formulation, cfl, mesh, stabilisation, dilatation,
+        tuple(options.terms), treatment,
     )  # fmt: skip
 
 

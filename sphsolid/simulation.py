@@ -31,6 +31,7 @@ from sphsolid.run.running_budget import NotOpened, Works
 from sphsolid.scenes.scene import Scene
 from sphsolid.scenes.stated_deformation import refuse_contradiction
 from sphsolid.scheme.boundary import EssentialConditions, Loads
+from sphsolid.scheme.dilatation import Dilatation
 from sphsolid.scheme.elastic_response import highest_frequency
 from sphsolid.scheme.energy_budget import StageBudget
 from sphsolid.scheme.formulation import Formulation
@@ -69,6 +70,7 @@ class Simulation(BaseSimulation):
         spacing: Spacing = AS_MESHED,
         formulation: Formulation | None = None,
         stabilisation: Stabilisation | None = None,
+        dilatation: Dilatation | None = None,
         terms: Sequence[TermOption] = (),
         operator: OperatorKind | None = None,
         smoothing: SmoothingFunction | None = None,
@@ -80,8 +82,8 @@ class Simulation(BaseSimulation):
     ) -> None:
         started = clock.perf_counter()
         options = Options(
-            spacing, formulation, stabilisation, terms, operator, smoothing, h_over_dx, cfl,
-            angular_momentum, initial_strain, integrator,
+            spacing, formulation, stabilisation, dilatation, terms, operator, smoothing, h_over_dx,
+            cfl, angular_momentum, initial_strain, integrator,
         )  # fmt: skip
         method = choose(scene, options)
         super().__init__(scene, method.material, options.given, look_every=LOOK_EVERY)
@@ -89,7 +91,8 @@ class Simulation(BaseSimulation):
         self.by_default = options.by_default
         self.integrator, self.formulation = method.integrator, method.formulation
         self.advice, self.angular_momentum = method.advice, method.angular_momentum
-        self.stabilisation, self.terms = method.stabilisation, method.terms
+        self.stabilisation, self.dilatation = method.stabilisation, method.dilatation
+        self.terms = method.terms
         self.particles = particles = discretised(method.mesh, options)
         self.cloud, self.operator = particles.cloud, particles.operator
         self.h_over_dx = particles.h_over_dx
@@ -126,7 +129,7 @@ class Simulation(BaseSimulation):
         )
 
     def _right_hand_side(self) -> RightHandSide:
-        options = (self.stabilisation, *self.terms)
+        options = (self.stabilisation, self.dilatation, *self.terms)
         fields = [*self.formulation.fields, *(f for option in options for f in option.fields)]
         names = [field.name for field in fields]
         require(len(names) == len({*names}), f"two fields have one name: {', '.join(names)}")
@@ -191,15 +194,15 @@ class Simulation(BaseSimulation):
 
     @property
     def state(self) -> State:
-        """The evolved fields themselves, not copies."""
+        """The fields themselves, not copies; an ``F`` that is not evolved is the last one used."""
         # Who takes them may change them, and with them the step that is allowed.
         self._allowed = math.nan
         return self._state
 
     def _options(self) -> dict[str, Any]:
         names = (
-            "formulation", "stabilisation", "terms", "operator", "h_over_dx", "angular_momentum",
-            "initial_strain", "integrator",
+            "formulation", "stabilisation", "dilatation", "terms", "operator", "h_over_dx",
+            "angular_momentum", "initial_strain", "integrator",
         )  # fmt: skip
         options = {name: getattr(self, name) for name in names}
         cfl, smoothing = self._time_step.cfl, self.cloud.smoothing

@@ -28,12 +28,20 @@ def snapshot_of(
     state: State, rhs: RightHandSide, material: Any, mesh: Mesh, *, time: float, step: int,
     budget: Budget | NotTracked,
 ) -> Snapshot:  # fmt: skip
-    """Copies of ``state``, with the constitutive stress ``P(F, H, J)`` [Pa]."""
-    s, formulation, cloud = state, rhs.formulation, rhs.set_up.cloud
+    """Copies of ``state``, with the constitutive stress [Pa] and all energy that is stored.
+
+    Both are the law's and what terms add to them.
+    """
+    s, formulation, cloud = rhs.of_geometry(state), rhs.formulation, rhs.set_up.cloud
     F = split(s.F)
     H = split(s.H) if formulation.evolves_H else cofactor(F)
     J = s.J if formulation.evolves_J else determinant(F)
     density = law.stored_energy(material, F, H, J)
+    P = join(law.first_piola(material, F, H, J))
+    energy = float(np.sum(cloud.V * density))
+    for term in rhs.terms:
+        term.add_constitutive(s, P)
+        energy += term.stored_energy(s)
     X, V = read_only(cloud.X), read_only(cloud.V)
     return Snapshot(
         time=time,
@@ -48,8 +56,8 @@ def snapshot_of(
         stress_V=V,
         F=s.F.copy(),
         J=np.array(J, copy=True),
-        P=join(law.first_piola(material, F, H, J)),
-        strain_energy=float(np.sum(cloud.V * density)),
+        P=P,
+        strain_energy=energy,
         budget=budget,
         secondary=secondary_gradient(rhs, s.x),
         further={name: read_only(s[name].copy()) for name in s if name not in _KNOWN},

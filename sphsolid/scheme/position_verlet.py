@@ -168,7 +168,9 @@ class PositionVerletStepper:
         rhs, state, essential = self.rhs, self.state, self.essential
         p_start, half = self._p_start, t + 0.5 * dt
         self._drift(0.5 * dt)
-        rates = rhs.evaluate(state, state.x, half, knows_L=self._drifts)
+        rates = rhs.evaluate(
+            state, state.x, half, knows_L=self._drifts, derives_F=not rhs.formulation.evolves_F
+        )
         p_start[:] = state.p
         moved(p_start, dt, (0.5, 0.5), rates.p, rates.p, state.p)
         held = essential.particles
@@ -196,5 +198,6 @@ class PositionVerletStepper:
             _, F, H, J = state.rows()
             _drift(a, f.evolves_F, components(rhs.rates.F), F, H, J, self._scratch)
         moved(state.x, a / density, (0.5, 0.5), state.p, state.p, state.x)
-        if not f.evolves_F:
+        # The drift of J needs the F it starts from.
+        if self._drifts and not f.evolves_F:
             rhs.deformation_gradient(state.x, state.F)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -86,21 +87,45 @@ class RightHandSide:
         """``F = sum_b x_b (x) G_b(X_a)`` of positions ``x (N, 3)`` [m]."""
         self.operator.gradient(self.operator.arms(x), 1.0, out)
 
+    def of_geometry(self, state: State) -> State:
+        """``state`` with the ``F`` of its ``x`` where the formulation does not evolve one.
+
+        A stepper leaves there what it last had a use for, and the stable step is taken from that.
+        """
+        if self.formulation.evolves_F:
+            return state
+        F = self.operator.zeros(Field("F", "tensor"))
+        self.deformation_gradient(state.x, F)
+        return state.but(F=F)
+
     def evaluate(
-        self, state: State, geometry: Array, t: float, *, knows_L: bool = False
+        self,
+        state: State,
+        geometry: Array,
+        t: float,
+        *,
+        knows_L: bool = False,
+        derives_F: bool = False,
     ) -> State:
         """Rates of ``state`` at time ``t``; ``knows_L``: ``rates.F`` is that of ``state`` already.
 
         ``geometry (N, 3)`` [m] are the positions whose ``F_x = sum_b x_b (x) G_b`` the projection
-        uses, with the gradient whose adjoint makes the force.
+        uses, with the gradient whose adjoint makes the force.  ``derives_F``: ``state.F`` is to be
+        that of ``geometry``; where force and gradient are adjoint it needs no projection then.
         """
         operator, rates = self.operator, self.rates
         self.stage = stage = Stage(
             state, geometry, operator.arms(geometry), t, rates, self.P, self._projected_rate,
             self.projects,
         )  # fmt: skip
+        compatible = derives_F and operator.is_adjoint and not self._projected_rate.size
+        if derives_F:
+            operator.gradient(stage.arms, 1.0, state.F)
         operator.rates_and_stress(
-            self.material, stage, needs_rates=self.keeps_rates, knows_L=knows_L
+            self.material,
+            replace(stage, projects=False) if compatible else stage,
+            needs_rates=self.keeps_rates,
+            knows_L=knows_L,
         )
         if self.P_galerkin is not self.P:
             self.P_galerkin[:] = self.P

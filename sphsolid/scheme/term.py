@@ -60,6 +60,13 @@ class Term:
         """
         return ()
 
+    def stored_energy(self, state: State) -> float:
+        """Energy [J] that it stores beside that of the law; ``state.F`` is of ``state.x``."""
+        return 0.0
+
+    def add_constitutive(self, state: State, P: Array) -> None:
+        """Add to ``P (N, 3, 3)`` [Pa] what the solid has beyond the law: what snapshots show."""
+
     def at_secondary(self, f: Array) -> Array:
         """``sum_a f_a (x) G_a(X_q)  (M, 3, 3)`` at :attr:`secondary`, where there is one."""
         return np.zeros((0, 3, 3))
