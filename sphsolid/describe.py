@@ -35,10 +35,10 @@ def plan(sim: Simulation) -> str:
         "material       " + _material(sim),
         f"operator       {sim.operator.name}, "
         + ("force and gradient adjoint" if c.is_adjoint else "not adjoint")
-        + f"; {sim.consistency}; differs from the printed gradient by {c.change:.2g} of it, "
-        + f"{c.iterations} iterations" + _why(sim),
+        + f"; {sim.consistency}; {_made(sim)}" + _why(sim),
         *(f"refused        {tried}: {reason}" for tried, reason in sim.refused),
         *(f"doubtful       {doubt}" for doubt in sim.doubts),
+        "dilatation     " + sim.dilatation.name,
         "fields         p, x" + (", F" if f.evolves_F else " (F from the geometry)")
         + (", H" if f.evolves_H else " (H = cof F)")
         + (", J" if f.evolves_J else " (J = det F)")
@@ -94,6 +94,15 @@ def _material(sim: Simulation) -> str:
 def _ignored(sim: Simulation) -> str:
     unused = sim.scene.states_deformation and not sim.initial_strain.uses_stated
     return f"; {NOT_USED}" if unused else ""
+
+
+def _made(sim: Simulation) -> str:
+    c, detail = sim.cloud, getattr(sim.operator, "detail", None)
+    if detail is not None:
+        return str(detail(c.mesh))
+    return (
+        f"differs from the printed gradient by {c.change:.2g} of it, {c.iterations} iterations"
+    )
 
 
 def _why(sim: Simulation) -> str:

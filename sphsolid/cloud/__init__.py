@@ -9,6 +9,7 @@ from sphsolid.cloud.cloud import (
     build_secondary,
     consistency_report,
 )
+from sphsolid.cloud.lattice_difference import LatticeDifference
 from sphsolid.cloud.operator import Consistent, Literal, OperatorKind, SummationByParts
 from sphsolid.cloud.secondary import H1, H6, T1, SecondaryPoints
 from sphsolid.cloud.smoothing import CubicSpline, QuinticSpline, SmoothingFunction, WendlandC2
@@ -21,6 +22,7 @@ __all__ = [
     "Consistent",
     "ConsistencyReport",
     "CubicSpline",
+    "LatticeDifference",
     "Literal",
     "OperatorKind",
     "QuinticSpline",

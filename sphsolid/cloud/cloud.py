@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,7 +16,7 @@ from sphsolid.cloud.gradient import (
     row_sum,
 )
 from sphsolid.cloud.lengths import Lengths, lengths_of, refuse_long_cells
-from sphsolid.cloud.operator import Gradients, Ingredients, OperatorKind
+from sphsolid.cloud.operator import Gradients, Ingredients, Layout, OperatorKind
 from sphsolid.cloud.operator_cache import gradients_of
 from sphsolid.cloud.pairs.neighbours import PairList, transposed
 from sphsolid.cloud.pairs.pair_operator import PairOperator, expanded, pair_operators
@@ -42,7 +42,8 @@ class Cloud:
     vectors, zero inside.  ``lengths`` are the smoothing lengths, ``h_min`` [m] is the smallest
     distance of a pair.  ``sight`` says who sees whom through the material.  ``left_out`` counts the
     pairs within their support that it leaves out, ``parts`` the sets of particles that share no
-    pair.  ``iterations`` and ``change`` are as in ``operator.Gradients``.
+    pair.  ``iterations`` and ``change`` are as in ``operator.Gradients``; ``kind`` is the option
+    that made them, ``areas_by_tag`` what it brought along, if anything.
 
     The operators have one pair list and three columns each.  ``kinematic`` and ``force`` are the
     gradients ``G_b(X_a)`` [1/m] (see ``operator.Gradients``), one object when adjoint.  ``adjoint``
@@ -64,6 +65,8 @@ class Cloud:
     sight: Sight
     left_out: int
     parts: int
+    kind: OperatorKind
+    areas_by_tag: dict[str, Array] = field(default_factory=dict)
 
     @property
     def h(self) -> float:
@@ -72,6 +75,8 @@ class Cloud:
 
     def areas_of(self, face: str) -> Array:
         """Area vectors of a tag ``(N, 3)`` [m^2]; those of all tags add up to :attr:`areas`."""
+        if face in self.areas_by_tag:
+            return self.areas_by_tag[face]
         part = area_vectors(self.mesh, self.mesh.face(face))
         if np.array_equal(self.areas, area_vectors(self.mesh, self.mesh.boundary)):
             return part
@@ -200,20 +205,17 @@ def build_cloud(
         np.isfinite(h_over_dx) and h_over_dx > 0.0,
         f"h_over_dx = {h_over_dx} must be positive; 0.77 is the default on a lattice",
     )
+    if hasattr(operator, "arranged"):
+        mesh = operator.arranged(mesh)
     X = mesh.vertices
-    V = vertex_volumes(mesh)
     refuse_overlap("the body", mesh)
-    areas = area_vectors(mesh, mesh.boundary)
     sight = Sight.within(mesh)
     lengths = lengths_of(mesh, h_over_dx)
-    within = lengths.pairs(X, X, smoothing.support)
-    refuse_long_cells(mesh, lengths, smoothing.support, within)
-    pairs = sight.seen(X, within)
-    check_support(
-        X, X, pairs,
-        h_over_dx=h_over_dx, support=smoothing.support, spacings=lengths.spacings(X),
-        what="primary", hidden=sight.hidden,
-    )  # fmt: skip
+    layout, left_out = _layout(operator, mesh, sight, lengths, smoothing)
+    V, pairs, by_tag = layout.volumes, layout.pairs, layout.areas
+    areas = (
+        np.sum(list(by_tag.values()), axis=0) if by_tag else area_vectors(mesh, mesh.boundary)
+    )
     gradients = gradients_of(operator, Ingredients(mesh, V, areas, pairs, smoothing, lengths))
     columns = [gradients.kinematic]
     if not gradients.is_adjoint:
@@ -224,9 +226,27 @@ def build_cloud(
     h_min = _h_min(X, pairs)
     return Cloud(
         mesh, X, V, gradients.areas, lengths, kinematic, force, adjoint, smoothing, h_min,
-        gradients.iterations, gradients.change, sight, (within.pairs - pairs.pairs) // 2,
-        int(parts_of(pairs).max()) + 1,
+        gradients.iterations, gradients.change, sight, left_out, int(parts_of(pairs).max()) + 1,
+        operator, by_tag,
     )  # fmt: skip
+
+
+def _layout(
+    operator: OperatorKind, mesh: Mesh, sight: Sight, lengths: Lengths, smoothing: SmoothingFunction
+) -> tuple[Layout, int]:
+    """Volumes and pairs, and how many pairs within the support see nothing of each other."""
+    if hasattr(operator, "layout"):
+        return operator.layout(mesh), 0
+    X, V = mesh.vertices, vertex_volumes(mesh)
+    within = lengths.pairs(X, X, smoothing.support)
+    refuse_long_cells(mesh, lengths, smoothing.support, within)
+    pairs = sight.seen(X, within)
+    check_support(
+        X, X, pairs,
+        h_over_dx=lengths.h_over_dx, support=smoothing.support, spacings=lengths.spacings(X),
+        what="primary", hidden=sight.hidden,
+    )  # fmt: skip
+    return Layout(V, {}, pairs), (within.pairs - pairs.pairs) // 2
 
 
 def _h_min(X: Array, pairs: PairList) -> float:

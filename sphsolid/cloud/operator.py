@@ -82,8 +82,24 @@ class Ingredients:
         return self.smoothing.value(distance, h) / peak
 
 
+@dataclass(frozen=True)
+class Layout:
+    """What an operator that brings its own quadrature is made on.
+
+    ``volumes (N,)`` [m^3], ``areas`` [m^2] of every tag ``(N, 3)``, and the ``pairs``.
+    """
+
+    volumes: Array
+    areas: dict[str, Array]
+    pairs: PairList
+
+
 class OperatorKind(Protocol):
-    """An option that makes the gradients of a cloud: a frozen dataclass."""
+    """An option that makes the gradients of a cloud: a frozen dataclass.
+
+    One that brings volumes, areas and pairs of its own has a method ``layout(mesh)``, which returns
+    a :class:`Layout`.  One that wants its particles in an order of its own has ``arranged(mesh)``.
+    """
 
     @property
     def name(self) -> str:

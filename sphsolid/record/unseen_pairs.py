@@ -25,20 +25,13 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csr_array
 
-from sphsolid.geometry.cell_shape import CORNERS
-from sphsolid.geometry.mesh import HexMesh, Mesh
+from sphsolid.geometry.edges import edges_of
+from sphsolid.geometry.mesh import Mesh
 from sphsolid.record.per_mesh import PerMesh
 from sphsolid.record.placement import Placed
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
-#: Local corners at the ends of the edges of a hexahedron and of a tetrahedron.
-_HEX_EDGES = [
-    (a, b)
-    for a, b in itertools.combinations(range(8), 2)
-    if np.sum(np.abs(CORNERS[a] - CORNERS[b])) == 1
-]
-_TET_EDGES = list(itertools.combinations(range(4), 2))
 #: Neighbours in fewer directions than three have a gradient in theirs alone: determinant of ``M_a``
 #: over the cube of its mean eigenvalue, and ratio of eigenvalues, that count as none.
 _NO_DIRECTION = 1.0e-9
@@ -79,7 +72,9 @@ class _Pairs:
 
 
 def _pairs(mesh: Mesh) -> _Pairs:
-    a, b, weight = _edges(mesh)
+    edges = edges_of(mesh)
+    a, b = edges.a, edges.b
+    weight = edges.around / max(float(np.sum(edges.around)), _TINY)
     X, n, m = mesh.vertices, len(mesh.vertices), len(a)
     length = np.linalg.norm(X[b] - X[a], axis=1)
     unit = (X[b] - X[a]) / length[:, None]
@@ -120,22 +115,6 @@ def _inverse(M: Array) -> Array:
     inverse[regular] = np.linalg.inv(M[regular])
     inverse[~regular] = np.linalg.pinv(M[~regular], rcond=_NO_DIRECTION, hermitian=True)
     return inverse
-
-
-def _edges(mesh: Mesh) -> tuple[Indices, Indices, Array]:
-    """Edges ``a < b`` of the cells, once each, and the share of the volume around each."""
-    n = len(mesh.vertices)
-    ends = np.array(_HEX_EDGES if isinstance(mesh, HexMesh) else _TET_EDGES)
-    pair = np.sort(mesh.cells[:, ends], axis=2)
-    key, place = np.unique(pair[..., 0].ravel() * n + pair[..., 1].ravel(), return_inverse=True)
-    volume = np.zeros(len(mesh.cells))
-    for point in mesh.shape.cell_rule:
-        map_ = np.einsum("ecd,ck->edk", mesh.vertices[mesh.cells], point.slopes)
-        volume += point.weight * np.abs(np.linalg.det(map_))
-    weight = np.bincount(
-        place.ravel(), weights=np.repeat(mesh.filling * volume, len(ends)), minlength=len(key)
-    )
-    return key // n, key % n, np.asarray(weight / max(float(np.sum(weight)), _TINY))
 
 
 _PAIRS = PerMesh(_pairs)

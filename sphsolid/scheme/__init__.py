@@ -1,5 +1,6 @@
 """The method of the paper, sections 3 to 6: one idea a file."""
 
+from sphsolid.scheme.dilatation import Dilatation, OwnDilatation
 from sphsolid.scheme.formulation import PF, PFHJ, PFJ, PJ, Displacement, Formulation
 from sphsolid.scheme.initial_strain import Compatible, Equilibrated, Given, InitialStrain
 from sphsolid.scheme.integrator import Integrator, Stepper
@@ -7,6 +8,7 @@ from sphsolid.scheme.intrinsic_time import IntrinsicTime, OfMesh, OfStep
 from sphsolid.scheme.operator import Operator
 from sphsolid.scheme.position_verlet import PositionVerlet
 from sphsolid.scheme.projection import LocalProjection, NoProjection
+from sphsolid.scheme.restraint import Elastic, NoStiffness, Quartic, Restraint, Stiffness
 from sphsolid.scheme.right_hand_side import RightHandSide
 from sphsolid.scheme.set_up import SetUp
 from sphsolid.scheme.ssp_rk3 import SSPRK3
@@ -35,7 +37,9 @@ __all__ = [
     "TVDRK2",
     "AsPrinted",
     "Compatible",
+    "Dilatation",
     "Displacement",
+    "Elastic",
     "Formulation",
     "Equilibrated",
     "Field",
@@ -47,10 +51,14 @@ __all__ = [
     "LocalProjection",
     "NoProjection",
     "NoStabilisation",
+    "NoStiffness",
     "OfMesh",
     "OfStep",
     "Operator",
+    "OwnDilatation",
     "PositionVerlet",
+    "Quartic",
+    "Restraint",
     "RightHandSide",
     "SelfAdjoint",
     "SetUp",
@@ -59,6 +67,7 @@ __all__ = [
     "StabilisedStrains",
     "Stage",
     "State",
+    "Stiffness",
     "Stepper",
     "Term",
     "TermOption",

@@ -93,6 +93,8 @@ class StageBudget:
         self._powers = np.zeros((operator.size, 2))
         rhs.keeps_rates = True
         rhs.keep_galerkin_stress()
+        for term in rhs.terms:
+            term.keep_for_powers()
         self._L_f = (
             rhs.rates.F if operator.is_adjoint else operator.zeros(Field("L_f", "tensor"))
         )

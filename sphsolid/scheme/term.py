@@ -53,6 +53,9 @@ class Term:
     def add_rates(self, stage: Stage) -> None:
         """Add to ``stage.rates``, which hold the Galerkin rates, loads and terms before it."""
 
+    def keep_for_powers(self) -> None:
+        """:meth:`powers` is asked from now on: keep what it needs of an evaluation."""
+
     def powers(self, stage: Stage) -> tuple[float, ...]:
         """Powers [W] in the evaluation just made, one for each of :attr:`works`.
 

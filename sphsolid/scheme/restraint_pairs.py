@@ -1,0 +1,216 @@
+"""The restraint of near pairs on any cloud (see ``restraint`` for what it is).
+
+With ``F = (F_a + F_b) / 2``, ``L`` the mean of ``grad v`` and
+
+    s_ab = d(F^T e)/dt = F^T (v_b - v_a - L X_ab) + L^T e,
+    t_ab = V_ab / |X|^2 mu (c_4 r^2 + c_2) e  +  V_ab / |X| c_v rho0 c_p F s,
+    w_ab = V_ab / |X| c_v rho0 c_p s,
+
+the virtual work is ``sum t . d(x_b - x_a - F X) + (e (x) w) : dF``.  So ``sum_b t_ab / V_a`` is
+added to the force of ``a``, and ``-1/(2 V_a) sum_b (t (x) X - e (x) w)`` to its stress.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import csr_array
+
+from sphsolid.compiled import inlined, kernel, prange
+from sphsolid.continuum.tensor import Tensor, Vector, add, axpy, load, scale, store
+from sphsolid.fields import components, vector_field
+from sphsolid.geometry.edges import edges_of
+from sphsolid.geometry.mesh import Mesh
+from sphsolid.scheme.restraint_term import Measured, RestraintParts, RestraintTerm
+from sphsolid.scheme.set_up import SetUp
+from sphsolid.scheme.stage import Stage
+from sphsolid.scheme.tile import tensor_of
+
+if TYPE_CHECKING:
+    from sphsolid.scheme.restraint import Restraint
+
+Array = NDArray[np.float64]
+
+
+class NearPairs(NamedTuple):
+    """Row ``a`` has the pairs ``indptr[a] .. indptr[a + 1]`` with ``indices`` and ``volume`` [m^3].
+
+    ``X (3, .)`` [m] are the particles, ``V (N,)`` [m^3] their volumes.
+    """
+
+    indptr: NDArray[np.uint64]
+    indices: NDArray[np.uint32]
+    volume: Array
+    X: Array
+    V: Array
+
+
+@inlined
+def unseen(F: Tensor, X: Vector, x: Vector) -> Vector:
+    """``x - F X``."""
+    return (
+        x[0] - (F[0] * X[0] + F[1] * X[1] + F[2] * X[2]),
+        x[1] - (F[3] * X[0] + F[4] * X[1] + F[5] * X[2]),
+        x[2] - (F[6] * X[0] + F[7] * X[1] + F[8] * X[2]),
+    )
+
+
+@inlined
+def rate(F: Tensor, L: Tensor, v: Vector, e: Vector) -> Vector:
+    """``d(F^T e)/dt = F^T v + L^T e``, ``v`` the rate of ``e``."""
+    return (
+        F[0] * v[0] + F[3] * v[1] + F[6] * v[2] + (L[0] * e[0] + L[3] * e[1] + L[6] * e[2]),
+        F[1] * v[0] + F[4] * v[1] + F[7] * v[2] + (L[1] * e[0] + L[4] * e[1] + L[7] * e[2]),
+        F[2] * v[0] + F[5] * v[1] + F[8] * v[2] + (L[2] * e[0] + L[5] * e[1] + L[8] * e[2]),
+    )
+
+
+@inlined
+def _dyad(u: Vector, v: Vector) -> Tensor:
+    """``u (x) v``."""
+    return (
+        u[0] * v[0], u[0] * v[1], u[0] * v[2],
+        u[1] * v[0], u[1] * v[1], u[1] * v[2],
+        u[2] * v[0], u[2] * v[1], u[2] * v[2],
+    )  # fmt: skip
+
+
+@inlined
+def _apart(f: Any, a: Any, b: Any) -> Vector:
+    """``f_b - f_a`` of a vector field."""
+    return (f[0, b] - f[0, a], f[1, b] - f[1, a], f[2, b] - f[2, a])
+
+
+@inlined
+def _mean(f: Any, A: Tensor, b: Any) -> Tensor:
+    """``(A + f_b) / 2``, ``A = f_a``."""
+    return scale(0.5, add(A, tensor_of(f, b)))
+
+
+@kernel
+def restrain(near, parts, measured, direct, P):  # type: ignore[no-untyped-def]
+    """``direct (3, .)`` [N/m^3] is written; the part through ``F`` is added to ``P`` [Pa]."""
+    x, v, F, L = measured
+    damped = L.size > 0
+    for a in prange(len(near.V)):
+        f0 = f1 = f2 = 0.0
+        S = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+        F_a = tensor_of(F, a)
+        L_a = tensor_of(L, a) if damped else F_a
+        for k in range(near.indptr[a], near.indptr[a + 1]):
+            b = near.indices[k]
+            X = _apart(near.X, a, b)
+            F_m = _mean(F, F_a, b)
+            e = unseen(F_m, X, _apart(x, a, b))
+            square = X[0] * X[0] + X[1] * X[1] + X[2] * X[2]
+            r2 = (e[0] * e[0] + e[1] * e[1] + e[2] * e[2]) / square
+            c = near.volume[k] / square * (parts.quartic * r2 + parts.elastic)
+            t0, t1, t2 = c * e[0], c * e[1], c * e[2]
+            if damped:
+                L_m = _mean(L, L_a, b)
+                s = rate(F_m, L_m, unseen(L_m, X, _apart(v, a, b)), e)
+                c = near.volume[k] / math.sqrt(square) * parts.viscosity
+                w0, w1, w2 = c * s[0], c * s[1], c * s[2]
+                t0 += F_m[0] * w0 + F_m[1] * w1 + F_m[2] * w2
+                t1 += F_m[3] * w0 + F_m[4] * w1 + F_m[5] * w2
+                t2 += F_m[6] * w0 + F_m[7] * w1 + F_m[8] * w2
+                S = axpy(-1.0, _dyad(e, (w0, w1, w2)), S)
+            f0 += t0
+            f1 += t1
+            f2 += t2
+            S = add(S, _dyad((t0, t1, t2), X))
+        direct[0, a] = f0 / near.V[a]
+        direct[1, a] = f1 / near.V[a]
+        direct[2, a] = f2 / near.V[a]
+        S = scale(-0.5 / near.V[a], S)
+        if P.ndim == 2:
+            for c in range(9):
+                P[c, a] += S[c]
+        else:
+            store(add(load(P, a), S), P, a)
+
+
+@kernel
+def energies(near, parts, measured, given, out):  # type: ignore[no-untyped-def]
+    """Columns of ``out (N, 2)``: half of what the pairs store [J], and of what they take [W].
+
+    The second is ``-V c / |X| s . s'`` with the rates ``s`` of ``measured`` and ``s'`` of the
+    velocities and gradients ``given = (v, L)``.
+    """
+    x, v, F, L = measured
+    v_given, L_given = given
+    damped = L.size > 0
+    for a in prange(len(near.V)):
+        stored = taken = 0.0
+        F_a = tensor_of(F, a)
+        for k in range(near.indptr[a], near.indptr[a + 1]):
+            b = near.indices[k]
+            X = _apart(near.X, a, b)
+            F_m = _mean(F, F_a, b)
+            e = unseen(F_m, X, _apart(x, a, b))
+            square = X[0] * X[0] + X[1] * X[1] + X[2] * X[2]
+            r2 = (e[0] * e[0] + e[1] * e[1] + e[2] * e[2]) / square
+            stored += near.volume[k] * (0.25 * parts.quartic * r2 + 0.5 * parts.elastic) * r2
+            if damped:
+                L_m = _mean(L, tensor_of(L, a), b)
+                s = rate(F_m, L_m, unseen(L_m, X, _apart(v, a, b)), e)
+                L_m = _mean(L_given, tensor_of(L_given, a), b)
+                other = rate(F_m, L_m, unseen(L_m, X, _apart(v_given, a, b)), e)
+                c = near.volume[k] / math.sqrt(square) * parts.viscosity
+                taken -= c * (s[0] * other[0] + s[1] * other[1] + s[2] * other[2])
+        out[a, 0] = 0.5 * stored
+        out[a, 1] = 0.5 * taken
+
+
+class PairRestraint(RestraintTerm):
+    """The restraint on the edges of the cells of one body."""
+
+    form = "of the edges of the cells"
+
+    def __init__(self, options: Restraint, parts: RestraintParts, set_up: SetUp) -> None:
+        super().__init__(options, parts, set_up)
+        cloud = set_up.cloud
+        self._near = near = near_pairs(cloud.mesh, cloud.X, cloud.V)
+        self._direct = vector_field(cloud.size)
+        self._energies = np.zeros((cloud.size, 2))
+        first = near.indptr.astype(np.int64)
+        row = np.repeat(np.arange(cloud.size), first[1:] - first[:-1])
+        length = np.linalg.norm(cloud.X[near.indices] - cloud.X[row], axis=1)
+        pull = np.bincount(row, parts.viscosity * near.volume / length) / cloud.V
+        # Twice the largest sum over the pairs of a particle, by Gershgorin; the motion of a pair
+        # that its gradients see is taken out, which makes it less.
+        self.rate = 2.0 * float(np.max(pull)) / set_up.material.density
+
+    def add_stress(self, stage: Stage) -> None:
+        """The part through ``F``; the other is kept for :meth:`add_rates`."""
+        measured = self.measured(stage)
+        restrain(
+            self._near, self.parts, measured, components(self._direct), components(stage.P)
+        )
+
+    def add_rates(self, stage: Stage) -> None:
+        """What acts between the two of a pair."""
+        stage.rates.p += self._direct
+
+    def _sums(self, measured: Measured, given: tuple[Array, Array]) -> tuple[float, float]:
+        energies(self._near, self.parts, measured, given, self._energies)
+        stored, taken = np.sum(self._energies, axis=0)
+        return float(stored), float(taken)
+
+
+def near_pairs(mesh: Mesh, X: Array, V: Array) -> NearPairs:
+    """The edges of the cells, seen from both ends."""
+    edges = edges_of(mesh)
+    ends = np.concatenate([edges.a, edges.b]), np.concatenate([edges.b, edges.a])
+    volume = np.concatenate([edges.volume, edges.volume])
+    matrix = csr_array((volume, ends), shape=(len(X), len(X)))
+    matrix.sort_indices()
+    places = vector_field(len(X))
+    places[:] = X
+    return NearPairs(
+        matrix.indptr.astype(np.uint64), matrix.indices.astype(np.uint32), matrix.data,
+        components(places), V,
+    )  # fmt: skip
