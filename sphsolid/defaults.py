@@ -11,8 +11,12 @@ Every value comes from a study that can be run again; ``docs/stability.md`` has 
 * **h/dx**: the smallest support is the most accurate one that is solvable: 19 neighbours on a
   lattice (``studies.operators``, ``studies.stability``).  1.0 for summation by parts: with less,
   few and chance neighbours make it hard to solve for.
-* **Operator**: ``Consistent`` on a lattice; on any other cloud ``SummationByParts``, the one that
-  is second order there (``studies.convergence --cloud``).
+* **Form**: displacement form with a restraint of the motion that the gradient does not see.  SUPG
+  methods give that motion no stiffness: their positions fold in the hard cases of
+  ``studies.stability``.  They stay the default of the formulations that evolve a strain.
+* **Operator**: on a box lattice ``LatticeDifference`` for the displacement form; ``Consistent`` on
+  any other lattice and for SUPG; on any other cloud ``SummationByParts``, the one that is second
+  order there (``studies.convergence --cloud``).
 * **Initial strain**, where a scene states one: ``Equilibrated`` with summation by parts, whose
   momentum has the order 1.7 on disordered clouds otherwise and 2 with it (``studies.clouds``);
   ``Compatible`` where force and gradient are adjoint, ``Given`` where they are not.
@@ -36,6 +40,8 @@ from pathlib import Path
 from typing import Any
 
 from sphsolid.cloud.first_possible import Candidate
+from sphsolid.cloud.lattice.box import BoxLattice, box_of
+from sphsolid.cloud.lattice_difference import LatticeDifference
 from sphsolid.cloud.operator import Consistent, OperatorKind, SummationByParts
 from sphsolid.cloud.secondary import H1, SecondaryPoints
 from sphsolid.errors import InputError
@@ -46,7 +52,8 @@ from sphsolid.scheme.initial_strain import Compatible, Equilibrated, Given, Init
 from sphsolid.scheme.integrator import Integrator as Integrator
 from sphsolid.scheme.intrinsic_time import OfMesh, OfStep
 from sphsolid.scheme.position_verlet import PositionVerlet
-from sphsolid.scheme.stabilisation import SUPG, SelfAdjoint
+from sphsolid.scheme.restraint import Restraint
+from sphsolid.scheme.stabilisation import SUPG, SelfAdjoint, Stabilisation
 
 #: Smoothing length over spacing (Wendland C2: support 1.54, 1.8 and 2 spacings).
 H_OVER_DX_LATTICE = 0.77
@@ -79,9 +86,14 @@ def default_integrator() -> Integrator:
     return PositionVerlet()
 
 
-def default_dilatation() -> Dilatation:
+def default_dilatation(formulation: Formulation, stabilisation: Stabilisation) -> Dilatation:
     """Each particle's own."""
     return OwnDilatation()
+
+
+def is_restraint(stabilisation: object) -> bool:
+    """True for the option that gives unseen motion a stiffness."""
+    return isinstance(stabilisation, Restraint)
 
 
 def default_cfl(integrator: Integrator) -> float:
@@ -89,8 +101,13 @@ def default_cfl(integrator: Integrator) -> float:
     return integrator.usual_cfl
 
 
-def default_operator(mesh: Mesh) -> OperatorKind:
-    """``Consistent`` on a lattice, ``SummationByParts`` on any other cloud."""
+def default_operator(mesh: Mesh, *, restrained: bool = False) -> OperatorKind:
+    """``Consistent`` on a lattice, ``SummationByParts`` on any other cloud.
+
+    ``LatticeDifference`` on a box lattice where the motion that it does not see is ``restrained``.
+    """
+    if restrained and isinstance(box_of(mesh), BoxLattice):
+        return LatticeDifference()
     return Consistent() if mesh.is_lattice else SummationByParts()
 
 
@@ -103,7 +120,7 @@ def default_h_over_dx(mesh: Mesh, operator: OperatorKind) -> float:
 
 
 def operator_candidates(
-    mesh: Mesh, operator: OperatorKind | None, h_over_dx: float | None
+    mesh: Mesh, operator: OperatorKind | None, h_over_dx: float | None, *, restrained: bool = False
 ) -> list[Candidate]:
     """What to build, in the order of preference: one candidate where the operator is given.
 
@@ -115,7 +132,7 @@ def operator_candidates(
 
     if operator is not None:
         return [candidate(operator)]
-    candidates = [candidate(default_operator(mesh))]
+    candidates = [candidate(default_operator(mesh, restrained=restrained))]
     if not mesh.is_lattice:
         candidates.append(candidate(Consistent()))
         if h_over_dx is None:
@@ -139,6 +156,20 @@ def poisson_ratio(material: Any) -> float:
 
 
 def default_stabilisation(
+    formulation: Formulation, material: Any, *, secondary: SecondaryPoints | None = None
+) -> Stabilisation:
+    """A restraint where every strain comes from the positions, else :func:`default_supg`."""
+    if is_displacement_form(formulation):
+        return Restraint()
+    return default_supg(formulation, material, secondary=secondary)
+
+
+def is_displacement_form(formulation: Formulation) -> bool:
+    """True where the state is positions and momenta alone."""
+    return not (formulation.evolves_F or formulation.evolves_H or formulation.evolves_J)
+
+
+def default_supg(
     formulation: Formulation, material: Any, *, secondary: SecondaryPoints | None = None
 ) -> SUPG:
     """Self-adjoint SUPG with ``tau_F = min(0.5, 5 c_s / c_p) h / c_p``, whatever the step.

@@ -20,13 +20,15 @@ from sphsolid.defaults import (
     default_dilatation,
     default_integrator,
     default_stabilisation,
+    is_displacement_form,
+    is_restraint,
     largest_stable_cfl,
     operator_candidates,
 )
 from sphsolid.errors import InputError
 from sphsolid.geometry.body import Spacing
 from sphsolid.geometry.mesh import Mesh
-from sphsolid.recommendation import Recommendation, recommend
+from sphsolid.recommendation import Recommendation, recommend, recommend_supg
 from sphsolid.record.probes import check_probes
 from sphsolid.scenes.checks import as_float, number
 from sphsolid.scenes.scene import Scene, check_scene
@@ -113,14 +115,14 @@ def choose(scene: Scene, options: Options) -> Method:
     material = check_first_use(scene.material)
     integrator = default_integrator() if options.integrator is None else options.integrator
     check_integrator(integrator)
-    advice = recommend(scene)
+    advice = _advice(scene, options)
     formulation = advice.formulation if options.formulation is None else options.formulation
     check_formulation(formulation)
     cfl = _cfl(options, integrator, formulation, material)
     if options.stabilisation is not None:
         check_pair(formulation, options.stabilisation)
-    dilatation = default_dilatation() if options.dilatation is None else options.dilatation
-    check_dilatation(formulation, dilatation)
+    if options.dilatation is not None:
+        check_dilatation(formulation, options.dilatation)
     for term in options.terms:
         check_term_option("a member of terms", term, "use SUPG(...)")
         term.check(formulation)
@@ -135,10 +137,19 @@ def choose(scene: Scene, options: Options) -> Method:
             formulation, material, secondary=default_secondary(mesh)
         )
         check_pair(formulation, stabilisation)
+    dilatation = options.dilatation
+    if dilatation is None:
+        dilatation = default_dilatation(formulation, stabilisation)
     return Method(
         material, integrator, advice, formulation, cfl, mesh, stabilisation, dilatation,
         tuple(options.terms), treatment,
     )  # fmt: skip
+
+
+def _advice(scene: Scene, options: Options) -> Recommendation:
+    """What is recommended with the stabilisation that was given, if one was."""
+    given = options.stabilisation
+    return recommend(scene) if given is None or is_restraint(given) else recommend_supg(scene)
 
 
 def _cfl(
@@ -176,12 +187,15 @@ class Discretised:
     doubts: tuple[str, ...]
 
 
-def discretised(mesh: Mesh, options: Options) -> Discretised:
-    """Particles on ``mesh`` with the first operator that exists; warns of what is doubtful."""
+def discretised(method: Method, options: Options) -> Discretised:
+    """Particles of ``method`` with the first operator that exists; warns of what is doubtful."""
+    restrained = is_displacement_form(method.formulation) and is_restraint(method.stabilisation)
     found = first_possible(
-        mesh,
+        method.mesh,
         WendlandC2() if options.smoothing is None else options.smoothing,
-        operator_candidates(mesh, options.operator, options.h_over_dx),
+        operator_candidates(
+            method.mesh, options.operator, options.h_over_dx, restrained=restrained
+        ),
     )
     doubtful = tuple(doubts(found.cloud))
     if doubtful:

@@ -1,6 +1,8 @@
 """Which formulation and stabilisation to use for a scene, and why.
 
-The evidence is ``recommendations.csv``, made by ``studies.pareto``: for each Poisson's ratio the
+The displacement form with a restraint is the one that holds its shape in every hard case of
+``studies.stability``.  Among SUPG methods the evidence is ``recommendations.csv``, made by
+``studies.pareto``: for each Poisson's ratio the
 cheapest formulation whose error at equal particles is within a tenth of the best, on the swinging
 cube and on the twisting column.  Its materials do not depend on the cofactor.
 """
@@ -12,9 +14,10 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from sphsolid.cloud.secondary import H6
-from sphsolid.defaults import default_stabilisation, poisson_ratio
+from sphsolid.defaults import default_supg, poisson_ratio
 from sphsolid.scenes.scene import Scene, check_scene
 from sphsolid.scheme.formulation import PF, PFHJ, PFJ, Displacement, Formulation
+from sphsolid.scheme.restraint import Restraint
 from sphsolid.scheme.stabilisation import NoStabilisation, Stabilisation
 
 #: Data, made from ``reports/pareto/recommendation.csv`` (a test compares them).
@@ -56,7 +59,20 @@ class Recommendation:
 
 
 def recommend(scene: Scene) -> Recommendation:
-    """The formulation and stabilisation for ``scene``, from its material.
+    """The formulation and stabilisation for ``scene``: the displacement form with a restraint.
+
+    Raises ``InputError`` for what is no scene.
+    """
+    check_scene(scene)
+    reason = (
+        "displacement form with a restraint: it holds its shape in the hard cases of "
+        "studies.stability, in which positions of SUPG methods fold"
+    )
+    return Recommendation(Displacement(), Restraint(), reason, NotMeasured())
+
+
+def recommend_supg(scene: Scene) -> Recommendation:
+    """The same among the SUPG methods, from the material of ``scene``.
 
     A law that depends on the cofactor gets {p, F, H, J} as in [Lee2017]; any other what the table
     says at the next larger Poisson's ratio that was tried, and above all of them at the largest.
@@ -69,14 +85,13 @@ def recommend(scene: Scene) -> Recommendation:
             f"{full.name}: the energy depends on the cofactor, whose law is then solved as "
             "published; studies.pareto has no such material"
         )
-        return Recommendation(full, default_stabilisation(full, material), reason, NotMeasured())
+        return Recommendation(full, default_supg(full, material), reason, NotMeasured())
     row = _row_of(nu)
     fields = _FORMULATIONS[row.formulation]
     stabilisation: Stabilisation = NoStabilisation()
     if row.stabilisation != "none":
-        stabilisation = default_stabilisation(fields, material)
-        if row.stabilisation == "SUPG-H6":
-            stabilisation = replace(stabilisation, secondary=H6())
+        supg = default_supg(fields, material)
+        stabilisation = replace(supg, secondary=H6()) if row.stabilisation == "SUPG-H6" else supg
     return Recommendation(fields, stabilisation, _reason(row, nu), row)
 
 

@@ -93,7 +93,7 @@ class Simulation(BaseSimulation):
         self.advice, self.angular_momentum = method.advice, method.angular_momentum
         self.stabilisation, self.dilatation = method.stabilisation, method.dilatation
         self.terms = method.terms
-        self.particles = particles = discretised(method.mesh, options)
+        self.particles = particles = discretised(method, options)
         self.cloud, self.operator = particles.cloud, particles.operator
         self.h_over_dx = particles.h_over_dx
         self.refused, self.doubts = particles.refused, particles.doubts

@@ -39,7 +39,7 @@ from studies.measures.swinging_cube import (
     period_errors_of,
 )
 from studies.measures.tables import select
-from studies.methods import B_BAR, DISPLACEMENT, PACKAGE, Method
+from studies.methods import B_BAR, DISPLACEMENT, PACKAGE, SUPG, Method
 from studies.methods import PAPER as REGISTERED
 
 NU, NEARLY_INCOMPRESSIBLE = 0.3, 0.499
@@ -69,7 +69,7 @@ CLASSICAL_LITERAL = CLASSICAL.but(
     label="displacement SPH, TVD-RK2, operator as printed", line=":", operator=sph.Literal()
 )
 #: What is compared first, in the report and in README.md.
-HEADLINE = (PACKAGE, PAPER, LITERAL, FORCE_ONLY, CLASSICAL, CLASSICAL_LITERAL, B_BAR)
+HEADLINE = (PACKAGE, SUPG, PAPER, LITERAL, FORCE_ONLY, CLASSICAL, CLASSICAL_LITERAL, B_BAR)
 
 _LOOKS: dict[str, dict[str, str]] = {"{p,F,J}": {"marker": "^"}, "{p,F,H,J}": {"marker": "o"}}
 
@@ -95,7 +95,7 @@ WITH_XI_F = [base.but(xi_F=PAPER_XI_F) for base in (LITERAL, PAPER, FORCE_ONLY)]
 UNPROJECTED = [method.but(angular_momentum=sph.NoProjection()) for method in WITH_XI_F[1:]]
 #: What is alike in formulation and secondary points: {p,F} and H1.
 ALONE = {
-    PACKAGE.name: [PACKAGE],
+    SUPG.name: [SUPG],
     PAPER.name: [PAPER, WITH_XI_F[1], UNPROJECTED[0]],
     FORCE_ONLY.name: [FORCE_ONLY, WITH_XI_F[2], UNPROJECTED[1]],
 }
@@ -117,7 +117,7 @@ FINEST, FINEST_QUICK = 32, 16
 #: Asked at nu = 0.3: slopes of momentum and stress, errors of p_x and P_xx at 17^3 in the linear
 #: limit, A+B+C=0.
 ASKED = {
-    PACKAGE.name: (1.95, 1.65, 2.6e-3, 1.0e-2),
+    SUPG.name: (1.95, 1.65, 2.6e-3, 1.0e-2),
     PAPER.name: (1.95, 1.65, 2.6e-3, 1.0e-2),
     FORCE_ONLY.name: (1.95, 1.90, 2.6e-3, 5.5e-3),
 }
@@ -149,7 +149,7 @@ def _case(method: Method, cells: int, scene: str, family: str, nu: float = NU) -
     # Undeformed p-wave speed over s-wave speed: how many more steps a period takes.
     cost = cells**4 * (1.0 if nu == NU else 11.5) * (0.55 if family == "A=B=C" else 1.0)
     cost *= 1.6 if scene == "manufactured" else 1.0
-    usual = {PACKAGE.name: 0.3, CLASSICAL.name: 0.6, CLASSICAL_LITERAL.name: 0.6, B_BAR.name: 0.6}
+    usual = {SUPG.name: 0.3, CLASSICAL.name: 0.6, CLASSICAL_LITERAL.name: 0.6, B_BAR.name: 0.6}
     cost *= 2.3 if "H6" in method.name else usual.get(method.name, 1.0)
     arguments = {
         "method": method, "scene": scene, "family": family, "poisson_ratio": nu, "cells": cells,
@@ -173,7 +173,7 @@ def of_level(cells: int, quick: bool) -> Iterator[Case]:
 
 def nearly_incompressible(cells: int, near: Sequence[Method]) -> Iterator[Case]:
     """The linear limit at nu = 0.499, where displacement methods lock or ring."""
-    for method in (PACKAGE, *near, CLASSICAL, B_BAR):
+    for method in (SUPG, *near, CLASSICAL, B_BAR):
         yield _case(method, cells, "linear", "A+B+C=0", NEARLY_INCOMPRESSIBLE)
 
 
@@ -195,7 +195,7 @@ def cases(options: argparse.Namespace) -> list[Case]:
 
 def warm_up(options: argparse.Namespace) -> list[Case]:
     """Tiny runs that compile every kernel of the study."""
-    methods = (PACKAGE, NEAR[-1], B_BAR)
+    methods = (SUPG, NEAR[-1], B_BAR)
     return [_case(method, 2, "manufactured", "A=B=C", NEARLY_INCOMPRESSIBLE) for method in methods]
 
 
@@ -250,7 +250,7 @@ def claims(tables: Tables) -> list[Claim]:
     at_17 = select(tables["table"], scene="linear", family="A+B+C=0", h=1.0 / 16.0)
     slopes, errors = [], []
     for name, (p, P, p_x, P_xx) in ASKED.items():
-        runs = _of(summary[NU], {PACKAGE.name: [PACKAGE], **BY_OPERATOR}[name])
+        runs = _of(summary[NU], {SUPG.name: [SUPG], **BY_OPERATOR}[name])
         slopes += [_slope(runs, name, "p", p), _slope(runs, name, "P", P)]
         for component, limit in (("x", p_x), ("xx", P_xx)):
             runs = select(_of(at_17, ALONE[name]), nu=NU, component=component)
@@ -261,7 +261,7 @@ def claims(tables: Tables) -> list[Claim]:
         elements = select(runs, method=B_BAR.name)
         slopes += [_slope(elements, f"{B_BAR.name}, nu {nu:g}", field, SLOPE) for field in _FIELD]
     near = select(at_17, nu=NEARLY_INCOMPRESSIBLE, component="x")
-    for name, methods in ((PACKAGE.name, [PACKAGE]), (PAPER.name, NEAR)):
+    for name, methods in ((SUPG.name, [SUPG]), (PAPER.name, NEAR)):
         errors += [_error(row, ERROR_NEAR) for row in _of(near, methods).to_dict("records")]
         runs = _of(summary[NEARLY_INCOMPRESSIBLE], methods)
         slopes.append(_slope(runs, f"{name}, nu {NEARLY_INCOMPRESSIBLE:g}", "p", SLOPE))
@@ -328,7 +328,7 @@ def incompressible_figure(results: Results) -> Figure:
     for ax, (field, word) in zip(axes.flat, _FIELD.items(), strict=True):
         part = select(results.tables["table"], nu=NEARLY_INCOMPRESSIBLE, field=field)
         curves = [
-            *_curves(part, [PACKAGE, CLASSICAL, B_BAR], nested=False),
+            *_curves(part, [SUPG, CLASSICAL, B_BAR], nested=False),
             *_curves(part, NEAR, nested=True),
         ]
         convergence_panel(ax, curves, title=f"nu = {NEARLY_INCOMPRESSIBLE:g}, A+B+C=0: {word}")

@@ -24,10 +24,10 @@ from studies.engine.plotting import Curve, convergence_panel, outside_legend, pa
 from studies.engine.study import Case, Claim, Results, Row, Study, Tables, run_study
 from studies.measures import folding
 from studies.measures.order import order_table
-from studies.methods import B_BAR, PACKAGE, Method
+from studies.methods import B_BAR, SUPG, Method
 
 #: {p,F,J} repeats {p,F} where the material asks for no ``tau_p``: shown, not assumed.
-COMPARED = (PACKAGE.but(formulation=PF()), PACKAGE.but(formulation=PFJ()), B_BAR)
+COMPARED = (SUPG.but(formulation=PF()), SUPG.but(formulation=PFJ()), B_BAR)
 BOTH = (COMPARED[0], B_BAR)
 #: A pulse small enough for the linear solution to be exact; the published step [Pa].
 LOADS: dict[str, tuple[Pulse | Step, float]] = {"pulse": (Pulse(), 1.0e4), "step": (Step(), 5.0e7)}

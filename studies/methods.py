@@ -2,7 +2,7 @@
 
 A study takes methods from here, or varies one with :meth:`Method.but`::
 
-    PACKAGE.but(tau_p=0.0)                                  # "package default, tau_p = 0"
+    SUPG.but(tau_p=0.0)                                     # "self-adjoint SUPG, tau_p = 0"
     PAPER.but(formulation=PFHJ(), tau_F=OfStep(0.5))        # "paper, {p,F,H,J}, tau_F = 0.5 dt"
 
 A new method is one entry in :data:`METHODS`.
@@ -17,14 +17,15 @@ from typing import Any, Protocol
 import fem_reference as fem
 import sphsolid as sph
 from sphsolid.cloud.secondary import default_secondary
-from sphsolid.defaults import default_stabilisation
+from sphsolid.defaults import default_supg
 from sphsolid.errors import InputError
 from sphsolid.geometry.body import Spacing
+from sphsolid.recommendation import recommend_supg
 from sphsolid.record import Solver
 from sphsolid.scenes import Scene
 from sphsolid.scheme.intrinsic_time import IntrinsicTime, as_time
 from sphsolid.scheme.stabilisation import Stabilisation
-from studies.engine.plotting import BLACK, BLUE, ORANGE, PURPLE, SKY, VERMILION
+from studies.engine.plotting import BLACK, BLUE, GREEN, ORANGE, PURPLE, SKY, VERMILION
 
 
 class Recipe(Protocol):
@@ -54,8 +55,8 @@ class Times:
 class Particles:
     """``sphsolid.Simulation`` with ``options``; ``supg`` are changes of the stabilisation.
 
-    Without a ``stabilisation`` among the options, the changes are of the one that the package
-    chooses for the formulation and the material.
+    Without a ``stabilisation`` among the options, the changes are of the SUPG that the package
+    sets for the formulation and the material.
     """
 
     options: tuple[tuple[str, Any], ...] = ()
@@ -73,9 +74,9 @@ class Particles:
         given = dict(self.options)
         usual = given.get("stabilisation")
         if usual is None:
-            formulation = given.get("formulation", sph.recommend(scene).formulation)
+            formulation = given.get("formulation", recommend_supg(scene).formulation)
             secondary = default_secondary(scene.body.mesh(spacing))
-            usual = default_stabilisation(formulation, scene.material, secondary=secondary)
+            usual = default_supg(formulation, scene.material, secondary=secondary)
         changes = {
             name: value.of(as_time(getattr(usual, name))) if isinstance(value, Times) else value
             for name, value in self.supg
@@ -191,6 +192,11 @@ def said(time: IntrinsicTime | float) -> str:
 
 #: What a user gets who chooses nothing.
 PACKAGE = Method("package default", "package default", VERMILION, "o", Particles())
+#: The SUPG methods as the package sets them: the self-adjoint weighting, position Verlet.
+SUPG = Method(
+    "self-adjoint SUPG", "self-adjoint SUPG", GREEN, "p",
+    Particles(supg=(("weighting", sph.SelfAdjoint()),)),
+)  # fmt: skip
 #: Integrator, step and weighting of the paper; each of its scenes has its own intrinsic times.
 PAPER = Method(
     "paper",
@@ -205,8 +211,8 @@ PAPER = Method(
         )
     ),
 )
-#: The package default without its stabilisation.
-UNSTABILISED = PACKAGE.but(
+#: The same without its stabilisation.
+UNSTABILISED = SUPG.but(
     name="unstabilised", colour=PURPLE, marker="v", stabilisation=sph.NoStabilisation()
 )
 #: The classical method: F from the positions, no stabilisation.
@@ -221,7 +227,7 @@ TAYLOR_HOOD = Method(
 
 METHODS: dict[str, Method] = {
     method.name: method
-    for method in (PACKAGE, PAPER, UNSTABILISED, DISPLACEMENT, B_BAR, TAYLOR_HOOD)
+    for method in (PACKAGE, SUPG, PAPER, UNSTABILISED, DISPLACEMENT, B_BAR, TAYLOR_HOOD)
 }
 
 

@@ -1,7 +1,7 @@
 """The punch on points without a mesh: ``python -m studies.punch_cloud``.
 
 The same block, once as disordered hexahedra with H1 and once as nothing but their vertices and a
-surface, with secondary particles from agglomerated Delaunay cells; the package default, nu = 0.499,
+surface, with secondary particles from agglomerated Delaunay cells; self-adjoint SUPG, nu = 0.499,
 the same smoothing length on both.
 """
 
@@ -34,7 +34,7 @@ from studies.measures.indicators import pressure_noise, pressure_range
 from studies.measures.run import run
 from studies.measures.scattered_noise import REACH, scattered_noise
 from studies.measures.tables import select
-from studies.methods import PACKAGE, UNSTABILISED, Method
+from studies.methods import SUPG, UNSTABILISED, Method
 from studies.pictures.frame import Absent
 from studies.pictures.panels import Layout
 from studies.pictures.picture import Panel, Percentile, Picture, Plan, keeping
@@ -57,13 +57,13 @@ LATTICE, HEXAHEDRA, WIDEST, POINTS, FILLED = CLOUDS = (
     "lattice", "hexahedra", "hexahedra, widest edge", "points", "filled",
 )  # fmt: skip
 _COLOURS = dict(zip(CLOUDS, (BLACK, BLUE, SKY, VERMILION, GREEN), strict=True))
-TETRAHEDRA = PACKAGE.but(secondary=sph.T1(), line="-.")
-NO_TAU_P = PACKAGE.but(tau_p=sph.OfStep(0.0), line="--")
+TETRAHEDRA = SUPG.but(secondary=sph.T1(), line="-.")
+NO_TAU_P = SUPG.but(tau_p=sph.OfStep(0.0), line="--")
 BARE = UNSTABILISED.but(name=UNSTABILISED.name, line=":")
 #: What is run; the first two of ``points`` are compared with ``hexahedra``.
 RUNS = (
-    (LATTICE, PACKAGE), (HEXAHEDRA, PACKAGE), (WIDEST, PACKAGE), (POINTS, PACKAGE),
-    (FILLED, PACKAGE), (POINTS, TETRAHEDRA), (HEXAHEDRA, NO_TAU_P), (POINTS, NO_TAU_P),
+    (LATTICE, SUPG), (HEXAHEDRA, SUPG), (WIDEST, SUPG), (POINTS, SUPG),
+    (FILLED, SUPG), (POINTS, TETRAHEDRA), (HEXAHEDRA, NO_TAU_P), (POINTS, NO_TAU_P),
     (HEXAHEDRA, BARE), (POINTS, BARE),
 )  # fmt: skip
 PICTURED = (*RUNS[:2], *RUNS[3:6], RUNS[-1])
@@ -126,7 +126,7 @@ def cases(options: argparse.Namespace) -> Sequence[Case]:
     listed = []
     for cells in LEVELS[:1] if options.quick else LEVELS:
         for cloud, method in RUNS:
-            once = options.quick or cloud == LATTICE or (cells > LEVELS[0] and method != PACKAGE)
+            once = options.quick or cloud == LATTICE or (cells > LEVELS[0] and method != SUPG)
             for seed in SEEDS[:1] if once else SEEDS:
                 listed.append(_case(options.out / "shots", cloud, method, cells, seed, END))
     return listed
@@ -236,7 +236,7 @@ def tables(rows: list[Row]) -> Tables:
 
 def _against_h1(run: Mapping[Any, Any], runs: pd.DataFrame) -> float:
     """Noise over that of H1 on hexahedra with the points of the same seed, less one."""
-    method = PACKAGE.name if run["method"] == TETRAHEDRA.name else run["method"]
+    method = SUPG.name if run["method"] == TETRAHEDRA.name else run["method"]
     h1 = select(runs, method=method, cloud=HEXAHEDRA, cells=run["cells"], seed=run["seed"])
     if len(h1) != 1 or run["cloud"] not in (POINTS, FILLED):
         return math.nan
@@ -251,9 +251,9 @@ def claims(tables: Tables) -> list[Claim]:
         def at_most(what: str, measured: float, limit: float, level: Any = cells) -> None:
             found.append(Claim(what, measured, "<=", limit, where=f"{level} cells a metre"))
 
-        h1 = _noise(runs, HEXAHEDRA, PACKAGE)
+        h1 = _noise(runs, HEXAHEDRA, SUPG)
         for cloud in (POINTS, FILLED):
-            mine = select(runs, cloud=cloud, method=PACKAGE.name)
+            mine = select(runs, cloud=cloud, method=SUPG.name)
             if len(mine) == 0 or math.isnan(h1):
                 continue
             more = float(mine["noise"].mean()) / h1 - 1.0
@@ -264,7 +264,7 @@ def claims(tables: Tables) -> list[Claim]:
             diverged = float((~mine["survived"].astype(bool)).sum())
             at_most(f"{cloud}: runs that diverged", diverged, 0.0)
             at_most(f"{cloud}: runs that folded", float(folding.has_folded(mine).sum()), 0.0)
-        share = _noise(runs, POINTS, PACKAGE) / _noise(runs, POINTS, BARE)
+        share = _noise(runs, POINTS, SUPG) / _noise(runs, POINTS, BARE)
         if not math.isnan(share):
             at_most("points: noise over that without stabilisation", share, SMOOTH)
     return found
@@ -275,7 +275,7 @@ def _noise(runs: pd.DataFrame, cloud: str, method: Method) -> float:
 
 
 def _heading(cloud: str, method: Method) -> str:
-    return cloud if method == PACKAGE else f"{cloud},\n{method.name.split(', ')[-1]}"
+    return cloud if method == SUPG else f"{cloud},\n{method.name.split(', ')[-1]}"
 
 
 def noise_figure(results: Results) -> Figure:
@@ -305,7 +305,7 @@ def _plan(cells: int, tables: Tables) -> Plan:
             tables["runs"], cloud=cloud, method=method.name, cells=cells, seed=SEEDS[0]
         )
         label = _heading(cloud, method)
-        sets_colours = method == PACKAGE
+        sets_colours = method == SUPG
         shown += [Panel(label, key, END, sets_colours) for key in runs["key"]] or [
             Absent(label, END)
         ]

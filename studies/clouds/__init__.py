@@ -41,13 +41,13 @@ from studies.engine.plotting import Curve, convergence_panel, outside_legend, pa
 from studies.engine.study import Case, Claim, Results, Row, Study, Tables, main, parse
 from studies.measures.swinging_cube import FAMILIES, INSTANTS, LARGEST_GRADIENT, SCENES
 from studies.measures.tables import select
-from studies.methods import PACKAGE, PAPER, UNSTABILISED, Method
+from studies.methods import PAPER, SUPG, UNSTABILISED, Method
 
 BY_PARTS = sph.SummationByParts()
 OPERATORS: dict[str, Method] = {
-    "Literal": PACKAGE.but(operator=sph.Literal(), line=":", marker="v"),
-    "Consistent": PACKAGE.but(operator=sph.Consistent(), line="--", marker="s"),
-    "SummationByParts": PACKAGE.but(operator=BY_PARTS),
+    "Literal": SUPG.but(operator=sph.Literal(), line=":", marker="v"),
+    "Consistent": SUPG.but(operator=sph.Consistent(), line="--", marker="s"),
+    "SummationByParts": SUPG.but(operator=BY_PARTS),
 }
 #: Clouds of the comparison and the cells along an edge of their last level.
 COMPARED = {
@@ -455,7 +455,7 @@ def energy_figure(results: Results) -> Figure:
     budget = results.tables["energy"]
     figure, axes = panels(1, 1, width=3.8, height=3.0)
     ax = axes[0, 0]
-    colours = {"TVD-RK2": PAPER.colour, default_integrator().name: PACKAGE.colour}
+    colours = {"TVD-RK2": PAPER.colour, default_integrator().name: SUPG.colour}
     for (cloud, integrator), runs in budget.groupby(["cloud", "integrator"], sort=False):
         disorder = str(cloud).startswith("jitter")
         ax.plot(

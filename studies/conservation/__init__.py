@@ -2,7 +2,7 @@
 
 ``python -m studies.conservation`` runs the second example of [Lee2017] section 8.1 (Figs. 6 to 8:
 a free block kicked by two opposite tractions) in the paper's setting with every formulation, H1 and
-H6, the operator as printed and the consistent one, with the package default and with B-bar finite
+H6, the operator as printed and the consistent one, with self-adjoint SUPG and with B-bar finite
 elements on the same disordered mesh; and a spinning cube whose momentum is known, where the energy
 budget must close but for the time integrator.
 """
@@ -21,11 +21,11 @@ from sphsolid.cloud.secondary import SecondaryPoints
 from sphsolid.defaults import (
     default_cfl,
     default_integrator,
-    default_stabilisation,
+    default_supg,
     poisson_ratio,
 )
 from sphsolid.errors import require
-from sphsolid.recommendation import recommend
+from sphsolid.recommendation import recommend_supg
 from sphsolid.scenes import Scene, l_shaped_block, spinning_cube
 from sphsolid.scenes.l_shaped_block import PUBLISHED_SPACING
 from sphsolid.scheme.formulation import Formulation
@@ -45,7 +45,7 @@ from studies.conservation.runs import (
 )
 from studies.engine.study import Case, Row, Study, Tables
 from studies.measures.tables import select
-from studies.methods import B_BAR, PACKAGE, PAPER, Method, said
+from studies.methods import B_BAR, PAPER, SUPG, Method, said
 from studies.pictures.picture import keeping
 
 FORMULATIONS: tuple[Formulation, ...] = (sph.PF(), sph.PFJ(), sph.PFHJ())
@@ -72,9 +72,9 @@ def paper(
 
 
 def package(scene: Scene, formulation: Formulation) -> Method:
-    """The package default, with another formulation where it would not choose this one."""
-    mine = formulation == recommend(scene).formulation
-    return PACKAGE if mine else PACKAGE.but(formulation=formulation)
+    """self-adjoint SUPG, with another formulation where it would not choose this one."""
+    mine = formulation == recommend_supg(scene).formulation
+    return SUPG if mine else SUPG.but(formulation=formulation)
 
 
 def bare(method: Method) -> Method:
@@ -109,15 +109,15 @@ def blocks() -> Iterator[Block]:
                     if spacing == PUBLISHED_SPACING:
                         yield Block("no projection", bare(method), spacing)
             method = package(l_shaped_block(), formulation)
-            yield Block("package", method, spacing, pictured=method is PACKAGE)
+            yield Block("package", method, spacing, pictured=method is SUPG)
     for operator in OPERATORS:
         usual = paper(operator=operator)
         yield Block("small load", usual, load=1e-3, until=LOAD_ENDS)
         for changed in changes(usual):
             yield Block("changed", changed)
-    for method in (paper(), paper(operator=CONSISTENT), B_BAR, PACKAGE):
+    for method in (paper(), paper(operator=CONSISTENT), B_BAR, SUPG):
         yield Block("long", method, until=60.0)
-        for jitter in (0.0, 0.4) if method is not PACKAGE else ():
+        for jitter in (0.0, 0.4) if method is not SUPG else ():
             yield Block("disorder", method, jitter=jitter)
 
 
@@ -142,7 +142,7 @@ def cubes() -> Iterator[Cube]:
             yield Cube("package", method, cfl=share * USUAL_CFL)
         if formulation != FORMULATIONS[2]:
             yield Cube("slow", method, cfl=USUAL_CFL, spin=SLOW_SPIN)
-    yield Cube("package", PACKAGE, 0.125, USUAL_CFL)
+    yield Cube("package", SUPG, 0.125, USUAL_CFL)
     for method in (printed, usual):
         yield Cube("no projection", bare(method), cfl=CFLS[0])
     for h in (SMALL, 0.85, 1.0, 1.2):
@@ -164,9 +164,9 @@ def few() -> Iterator[Block | Cube]:
         yield Block("small load", usual, load=1e-3, until=LOAD_ENDS)
     yield Block("paper", paper(H1, formulation=sph.PFHJ()))
     yield Block("elements", B_BAR, pictured=True)
-    yield Block("package", PACKAGE, pictured=True)
+    yield Block("package", SUPG, pictured=True)
     for share in (1.0, 0.5):
-        yield Cube("package", PACKAGE, cfl=share * USUAL_CFL)
+        yield Cube("package", SUPG, cfl=share * USUAL_CFL)
     for cfl in CFLS[:2]:
         yield Cube("ladder", paper(H1, CONSISTENT), cfl=cfl)
         yield Cube("elements", B_BAR, cfl=2.0 * cfl)
@@ -177,10 +177,10 @@ def tiny() -> Iterator[Block | Cube]:
     """Runs of a second or two that compile every kernel of the study."""
     full = paper(H6, CONSISTENT, sph.PFHJ()).but(tau_p=sph.OfStep(0.1))
     yield Block("paper", full, 1.5, until=0.5)
-    for method in (paper(H6, CONSISTENT), B_BAR, PACKAGE):
+    for method in (paper(H6, CONSISTENT), B_BAR, SUPG):
         yield Block("elements" if method is B_BAR else "paper", method, 1.5, until=6.0)
     usual = paper(H1, CONSISTENT)
-    for method in (usual, usual.but(integrator=sph.SSPRK3()), B_BAR, PACKAGE):
+    for method in (usual, usual.but(integrator=sph.SSPRK3()), B_BAR, SUPG):
         yield Cube("ladder", method, 0.5, turns=0.25)
 
 
@@ -221,7 +221,7 @@ def words(tables: Tables) -> Mapping[str, Any]:
     """Constants of the scenes, and the parts of the tables that are printed."""
     table, cube = tables["table"], tables["cube"]
     scene = l_shaped_block()
-    chosen = default_stabilisation(recommend(scene).formulation, scene.material)
+    chosen = default_supg(recommend_supg(scene).formulation, scene.material)
     # What the figures show: {p,F}, H6 of the paper's.
     in_package, elements = table["group"].eq("package"), table["method"].eq(B_BAR.name)
     particles = table["formulation"].eq("{p,F}") & (table["secondary"].eq("H6") | in_package)
@@ -251,7 +251,7 @@ def words(tables: Tables) -> Mapping[str, Any]:
         "ladder": ladder.sort_values("spacing", ascending=False).to_dict("records"),
         "fitted": select(tables["orders"], group="ladder")["order"],
         "mine": mine, "grown": mine[mine["outcome"] != "kept"],
-        "usual": select(cube, group="package", method=PACKAGE.name).to_dict("records"),
+        "usual": select(cube, group="package", method=SUPG.name).to_dict("records"),
         "verlet": select(tables["orders"], integrator=default_integrator().name)["order"],
     }  # fmt: skip
 

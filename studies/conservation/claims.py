@@ -14,7 +14,7 @@ from studies.engine.results import Tables
 from studies.measures.folding import sound
 from studies.measures.order import fit_order
 from studies.measures.tables import select
-from studies.methods import B_BAR, PACKAGE
+from studies.methods import B_BAR, SUPG
 
 #: Shares of the natural scales ``sum V |p|``, ``sum V |x| |p|`` below which a sum is round-off.
 ROUND_OFF = 1.0e-12
@@ -104,7 +104,7 @@ def _pressures(table: pd.DataFrame) -> Iterator[Claim]:
     """Is the pressure smooth?  {p,F} H6 against finite elements on the same mesh."""
     runs = select(table, formulation="{p,F}")
     printed = (runs["group"] == "paper") & (runs["secondary"] == "H6")
-    for _, run in runs[printed | (runs["method"] == PACKAGE.name)].iterrows():
+    for _, run in runs[printed | (runs["method"] == SUPG.name)].iterrows():
         if run["group"] not in ("paper", "package"):
             continue
         elements = select(table, group="elements", method=B_BAR.name, spacing=run["spacing"])

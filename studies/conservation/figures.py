@@ -26,7 +26,7 @@ from studies.engine.plotting import (
 )
 from studies.engine.results import Results, Tables
 from studies.measures.tables import select
-from studies.methods import B_BAR, PACKAGE, PAPER
+from studies.methods import B_BAR, PAPER, SUPG
 from studies.pictures.frame import Absent
 from studies.pictures.picture import Panel, Percentile, Picture, Plan
 from studies.pictures.view import Around, angled_view
@@ -36,7 +36,7 @@ PRINTED, CONSISTENT = "paper, {p,F}, H6, Literal", "paper, {p,F}, H6, Consistent
 LOOKS: dict[str, dict[str, Any]] = {
     PRINTED: PAPER.look | {"linestyle": "--", "markerfacecolor": "white"},
     CONSISTENT: PAPER.look,
-    PACKAGE.name: PACKAGE.look,
+    SUPG.name: SUPG.look,
     B_BAR.name: B_BAR.look | {"linestyle": "none", "markerfacecolor": "white"},
 }
 
@@ -119,7 +119,7 @@ _TERMS = (
 def budget(results: Results) -> Figure:
     """Every term of the energy budget of the block, linear and logarithmic."""
     figure, axes = panels(2, 3, width=2.7, height=2.4)
-    for j, method in enumerate((PRINTED, CONSISTENT, PACKAGE.name)):
+    for j, method in enumerate((PRINTED, CONSISTENT, SUPG.name)):
         run = _run(results.tables["history"], method)
         for name, label, colour, style in _TERMS:
             for i in (0, 1):
@@ -145,7 +145,7 @@ def cube(results: Results) -> Figure:
 def _left_over(ax: Axes, table: pd.DataFrame) -> None:
     kept = table[(table["outcome"] == "kept") & (table["left_over"] > 0.0)]
     rows = (
-        ("package", PACKAGE.look, PACKAGE.name),
+        ("package", SUPG.look, SUPG.name),
         ("ladder", PAPER.look, "paper, {p,F}, H1, Consistent"),
         ("methods", PAPER.look | {"linestyle": ":"}, "paper, {p,F}, H1, Consistent, SSP-RK3"),
         ("methods", PAPER.look | {"linestyle": "--"},

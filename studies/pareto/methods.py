@@ -8,7 +8,7 @@ from typing import Any
 import sphsolid as sph
 from sphsolid.defaults import NEARLY_INCOMPRESSIBLE
 from sphsolid.scheme.formulation import Formulation
-from studies.methods import B_BAR, DISPLACEMENT, PACKAGE, PAPER, TAYLOR_HOOD, UNSTABILISED, Method
+from studies.methods import B_BAR, DISPLACEMENT, PAPER, SUPG, TAYLOR_HOOD, UNSTABILISED, Method
 
 MARKERS = {sph.PF(): "o", sph.PFJ(): "^", sph.PFHJ(): "s"}
 PF, PFJ, PFHJ = MARKERS
@@ -20,8 +20,8 @@ def _of(base: Method, formulation: Formulation, line: str = "", **changes: Any) 
     return base.but(formulation=formulation, marker=marker, line=line, **changes)
 
 
-MIXED = {formulation: _of(PACKAGE, formulation) for formulation in MARKERS}
-DENSE = {formulation: _of(PACKAGE, formulation, "--", secondary=H6) for formulation in MARKERS}
+MIXED = {formulation: _of(SUPG, formulation) for formulation in MARKERS}
+DENSE = {formulation: _of(SUPG, formulation, "--", secondary=H6) for formulation in MARKERS}
 PLAIN = {formulation: _of(UNSTABILISED, formulation) for formulation in MARKERS}
 #: What may be recommended: the package's integrator and projection, any formulation.
 CANDIDATES = (*MIXED.values(), DENSE[PF], DENSE[PFJ], PLAIN[PF], DISPLACEMENT)
@@ -34,7 +34,7 @@ def compared(nu: float) -> tuple[Method, ...]:
     tau_p = sph.OfStep(0.1 if nu >= NEARLY_INCOMPRESSIBLE else 0.0)
     return (
         *CANDIDATES,
-        *(_of(PACKAGE, fields, ":", integrator=sph.SSPRK3()) for fields in (PF, PFJ)),
+        *(_of(SUPG, fields, ":", integrator=sph.SSPRK3()) for fields in (PF, PFJ)),
         _of(PAPER, PF),
         _of(PAPER, PFJ).but(name=_of(PAPER, PFJ).name, tau_p=tau_p),
         B_BAR,

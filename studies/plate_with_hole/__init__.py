@@ -30,16 +30,16 @@ from studies.engine.study import Case, Claim, Results, Row, Study, Tables
 from studies.measures import folding
 from studies.measures.tables import select
 from studies.meshes import MESHES
-from studies.methods import B_BAR, PACKAGE, Method
+from studies.methods import B_BAR, SUPG, Method
 from studies.pictures.face import draw_facets
 from studies.plate_with_hole.plane import plane_stress_over_pull
 from studies.plate_with_hole.recovery import PATCH, at_cells, fitted, hoop
 
 Array = NDArray[np.float64]
-CONSISTENT = PACKAGE.but(operator=Consistent(), marker="s")
+CONSISTENT = SUPG.but(operator=Consistent(), marker="s")
 #: Methods and meshes; the first run is the one that others are compared with.
 RUNS = (
-    (B_BAR, "hex"), (PACKAGE, "hex"), (PACKAGE, "tet"), (CONSISTENT, "hex"), (CONSISTENT, "tet"),
+    (B_BAR, "hex"), (SUPG, "hex"), (SUPG, "tet"), (CONSISTENT, "hex"), (CONSISTENT, "tet"),
 )  # fmt: skip
 WORDS = {"hex": "hexahedra", "tet": "tetrahedra"}
 STRESS, RADIUS, HALF_WIDTH = 2.1e7, 0.1, 0.5
@@ -346,7 +346,7 @@ def ligament_figure(results: Results) -> Figure:
 
 def words(tables: Tables) -> Mapping[str, Any]:
     """The scene, and how far the default operator is from the elements."""
-    mine = [claim for claim in claims(tables) if claim.where.startswith(f"{PACKAGE.name}, ")]
+    mine = [claim for claim in claims(tables) if claim.where.startswith(f"{SUPG.name}, ")]
     mine = [claim for claim in mine if CONSISTENT.name not in claim.where]
     return {
         "counted": len(mine),

@@ -17,12 +17,12 @@ import pandas as pd
 
 from sphsolid import PFJ
 from sphsolid.cloud.operator import OperatorKind
-from sphsolid.defaults import default_cfl, default_integrator, default_stabilisation
+from sphsolid.defaults import default_cfl, default_integrator, default_supg
 from sphsolid.errors import require
 from sphsolid.scenes import punch
 from studies.engine.study import Case, Study, Tables
 from studies.measures.folding import has_folded
-from studies.methods import B_BAR, PACKAGE, Method, said
+from studies.methods import B_BAR, SUPG, Method, said
 from studies.pictures.picture import keeping
 from studies.punch.claims import INDEPENDENT, PAIRS, TOLERANCE, claims
 from studies.punch.figures import (
@@ -107,7 +107,7 @@ def _coarse(options: argparse.Namespace) -> Iterator[Case]:
         for tau_p in TAU_P:
             if not options.quick or tau_p in (0.0, 0.1):
                 yield _case(options, reading, WITHOUT_TAU_F[tau_p], options.cells, until=until)
-            if DEFAULTS[tau_p] != PACKAGE and (not options.quick or tau_p == 0.0):
+            if DEFAULTS[tau_p] != SUPG and (not options.quick or tau_p == 0.0):
                 yield _case(options, reading, DEFAULTS[tau_p], options.cells, until=until)
 
 
@@ -150,7 +150,7 @@ def warm_up(options: argparse.Namespace) -> list[Case]:
         _case(small, READINGS[0], method, 10, operator, until=5.0e-4)
         for method, operator in (
             (B_BAR, CONSISTENT), (CLASSICAL, CONSISTENT), (GALERKIN, LITERAL), (H6, CONSISTENT),
-            (PACKAGE, CONSISTENT), (WIDE, CONSISTENT),
+            (SUPG, CONSISTENT), (WIDE, CONSISTENT),
         )
     ]  # fmt: skip
 
@@ -165,7 +165,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 
 def words(tables: Tables) -> Mapping[str, Any]:
     """The runs in the units of the report, and what is left to the package."""
-    table, chosen = tables["table"], default_stabilisation(PFJ(), punch().material)
+    table, chosen = tables["table"], default_supg(PFJ(), punch().material)
     integrator = default_integrator()
     runs = table.assign(
         low_MPa=1e-6 * table["pressure_1"],

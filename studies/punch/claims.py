@@ -13,7 +13,7 @@ from studies.engine.results import Tables
 from studies.measures.folding import has_folded, sound
 from studies.measures.indicators import FLUCTUATES, REMOVED, SMOOTH
 from studies.measures.tables import select
-from studies.methods import B_BAR, PACKAGE, Method
+from studies.methods import B_BAR, SUPG, Method
 from studies.punch.runs import (
     CLASSICAL,
     COMPARED,
@@ -47,7 +47,7 @@ PAIRS = {
     "paper, {p,F,H,J} H6, tau_F = 0.5 dt": (H6_NO_TAU_P, H6),
     "the same, support 2 dx": (WIDE_NO_TAU_P, WIDE),
     "paper, {p,F,J} H1, tau_F = 0": (WITHOUT_TAU_F[0.0], WITHOUT_TAU_F[0.1]),
-    "package default": (DEFAULTS[0.0], DEFAULTS[0.1]),
+    "self-adjoint SUPG": (DEFAULTS[0.0], DEFAULTS[0.1]),
 }
 
 
@@ -175,7 +175,7 @@ def _distortion(table: pd.DataFrame) -> Claim:
 def _asked(table: pd.DataFrame) -> Iterator[Claim]:
     for level, name in ((0, "coarsest lattice"), (1, "next lattice")):
         for reading in READINGS:
-            runs = {m.name: one_run(table, reading, m, level=level) for m in (H6, H1, PACKAGE)}
+            runs = {m.name: one_run(table, reading, m, level=level) for m in (H6, H1, SUPG)}
             runs = {method: run for method, run in runs.items() if len(run)}
             solids = elements(table, reading)
             if not runs or len(solids) == 0:

@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 from studies.engine.plotting import outside_legend, panels
 from studies.engine.results import Results, Tables
 from studies.measures.tables import select
-from studies.methods import B_BAR, PACKAGE, Method
+from studies.methods import B_BAR, SUPG, Method
 from studies.pictures.colours import ColourRange
 from studies.pictures.frame import CELL, Absent
 from studies.pictures.panels import Layout
@@ -62,7 +62,7 @@ def noise_figure(results: Results) -> Figure:
             if points:
                 above.plot(*zip(*points, strict=True), label=label, **look)
         above.set(title=f"{reading.name}: mean of 0.5 to 15 ms", xlabel="tau_p / dt [-]")
-        for method in (CLASSICAL, GALERKIN, H6_NO_TAU_P, H6, H1, PACKAGE, B_BAR):
+        for method in (CLASSICAL, GALERKIN, H6_NO_TAU_P, H6, H1, SUPG, B_BAR):
             _over_time(below, results, reading, method, "noise")
         below.set(title=f"{reading.name}: over time", xlabel="time [ms]")
         for ax in (above, below):
@@ -75,7 +75,7 @@ def noise_figure(results: Results) -> Figure:
 def _families() -> Iterator[tuple[str, dict[float, Method], Any, dict[str, Any]]]:
     open_ones = {"markerfacecolor": "white"}
     paper = "paper, {p,F,J} H1"
-    yield PACKAGE.name, DEFAULTS, CONSISTENT, PACKAGE.look
+    yield SUPG.name, DEFAULTS, CONSISTENT, SUPG.look
     yield f"{paper}, tau_F = dt", WITH_TAU_F, CONSISTENT, H1.look
     yield f"{paper}, tau_F = dt, as printed", WITH_TAU_F, LITERAL, H1.look | {"linestyle": ":"}
     yield f"{paper}, tau_F = 0", WITHOUT_TAU_F, CONSISTENT, H1.look | open_ones
@@ -112,7 +112,7 @@ def profile_figure(results: Results) -> Figure:
         above, below = axes[:, column]
         for edge in INDEPENDENT[reading.name]:
             above.axhline(edge, color="0.6", linewidth=0.8, linestyle="--")
-        for method in (CLASSICAL, H6, H1, PACKAGE, B_BAR):
+        for method in (CLASSICAL, H6, H1, SUPG, B_BAR):
             run = one_run(table, reading, method)
             mine = select(at, key=run["key"].iloc[0]).sort_values("X") if len(run) else at[:0]
             if len(mine):
@@ -139,7 +139,7 @@ def height_figure(results: Results) -> Figure:
     table = results.tables["table"]
     figure, axes = panels(1, 3, width=3.0, height=2.7)
     over_time, energy, refined = axes.flat
-    for method in (CLASSICAL, H6, H1, PACKAGE, B_BAR):
+    for method in (CLASSICAL, H6, H1, SUPG, B_BAR):
         _over_time(over_time, results, INITIAL, method, "top_low [m]")
         _over_time(energy, results, INITIAL, method, "total_energy [J]")
         runs = select(table, press=INITIAL.name, method=method.name)

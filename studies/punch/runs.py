@@ -21,7 +21,7 @@ from sphsolid.scenes.punch import Press
 from studies.engine.case import Row
 from studies.measures.indicators import pressure_noise, pressure_range
 from studies.measures.run import run
-from studies.methods import B_BAR, DISPLACEMENT, PACKAGE, PAPER, UNSTABILISED, Method
+from studies.methods import B_BAR, DISPLACEMENT, PAPER, SUPG, UNSTABILISED, Method
 from studies.pictures.shots import SaveShots, ShotFolder
 
 #: The instant [s] at which the paper compares methods (Fig. 11), and the time between records.
@@ -62,10 +62,10 @@ CLASSICAL = PAPER.but(
     name="paper, displacement SPH", colour=DISPLACEMENT.colour, marker=DISPLACEMENT.marker,
     formulation=sph.Displacement(), stabilisation=sph.NoStabilisation(),
 )  # fmt: skip
-#: ``tau_p`` in steps, for three families in which nothing else changes: the package default, and
+#: ``tau_p`` in steps, for three families in which nothing else changes: self-adjoint SUPG, and
 #: with the paper's integrator {p,F,J} H1 with ``tau_F = dt`` and with ``tau_F = 0``.
 TAU_P = (0.0, 0.05, 0.1, 0.2)
-DEFAULTS = {t: PACKAGE if t == 0.1 else PACKAGE.but(tau_p=sph.OfStep(t)) for t in TAU_P}
+DEFAULTS = {t: SUPG if t == 0.1 else SUPG.but(tau_p=sph.OfStep(t)) for t in TAU_P}
 WITH_TAU_F = {t: PAPER.but(formulation=sph.PFJ(), tau_p=sph.OfStep(t)) for t in TAU_P}
 WITHOUT_TAU_F = {
     t: PAPER.but(formulation=sph.PFJ(), tau_F=0.0, xi_F=0.1, tau_p=sph.OfStep(t)) for t in TAU_P
@@ -222,6 +222,6 @@ def run_cost(
 
 #: What is run with both operators, and what on a finer lattice.
 BOTH_OPERATORS: tuple[Method, ...] = (
-    CLASSICAL, GALERKIN, H6_NO_TAU_P, H6, H1, PACKAGE, *WITH_TAU_F.values(), WIDE_NO_TAU_P, WIDE,
+    CLASSICAL, GALERKIN, H6_NO_TAU_P, H6, H1, SUPG, *WITH_TAU_F.values(), WIDE_NO_TAU_P, WIDE,
 )  # fmt: skip
-FINER = (B_BAR, CLASSICAL, H6_NO_TAU_P, H6, H1, PACKAGE)
+FINER = (B_BAR, CLASSICAL, H6_NO_TAU_P, H6, H1, SUPG)

@@ -22,11 +22,11 @@ from studies.engine.plotting import panels
 from studies.engine.provenance import cores
 from studies.engine.study import Case, Claim, Results, Row, Study, Tables
 from studies.measures.tables import select
-from studies.methods import B_BAR, DISPLACEMENT, PACKAGE, PAPER, UNSTABILISED, Method
+from studies.methods import B_BAR, DISPLACEMENT, PAPER, SUPG, UNSTABILISED, Method
 from studies.speed.timings import column, machine_speed, plain, start_up, step
 
 PF, PFJ, PFHJ, PLAIN = FORMULATIONS = (sph.PF(), sph.PFJ(), sph.PFHJ(), sph.Displacement())
-DEFAULT, PAPERS = PACKAGE.but(formulation=PFJ), PAPER.but(formulation=PFJ)
+DEFAULT, PAPERS = SUPG.but(formulation=PFJ), PAPER.but(formulation=PFJ)
 #: The paper's column has intrinsic times of its own.
 ON_COLUMN = (
     DEFAULT,
@@ -63,7 +63,7 @@ def options() -> list[Method]:
     listed = []
     for fields in FORMULATIONS:
         bare = DISPLACEMENT if fields == PLAIN else UNSTABILISED.but(formulation=fields)
-        own = PACKAGE.but(formulation=fields)
+        own = SUPG.but(formulation=fields)
         printed = own.but(weighting=sph.AsPrinted())
         damped = [own.but(tau_p=sph.OfStep(0.1))] if fields in (PFJ, PFHJ) else []
         off = sph.NoProjection()

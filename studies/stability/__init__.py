@@ -17,7 +17,7 @@ from studies.engine.claims import Claim, Source
 from studies.engine.study import Case, Results, Row, Study, Tables
 from studies.measures.indicators import FLUCTUATES, REMOVED
 from studies.measures.tables import select
-from studies.methods import B_BAR, PACKAGE, UNSTABILISED
+from studies.methods import B_BAR, SUPG, UNSTABILISED
 from studies.stability import waves
 from studies.stability.hard_cases import (
     CASES,
@@ -61,7 +61,7 @@ from studies.stability.spectrum_growth import LIMITS, NEUTRAL
 #: Change of the share of energy kept that counts as none, and work that is round-off.
 SAME, ROUND_OFF = 0.02, 1.0e-9
 #: What the package gives where the formulation is left to it, or the smaller one is asked for.
-BY_PACKAGE = (PACKAGE.name, WITHOUT_J.name)
+BY_PACKAGE = (SUPG.name, WITHOUT_J.name)
 
 
 def cases(options: argparse.Namespace) -> Sequence[Case]:
@@ -130,10 +130,10 @@ def positions_hold(table: pd.DataFrame, partial: str) -> Claim:
 
 def long_columns_are_sound(table: pd.DataFrame, partial: str) -> Claim:
     """The default is sound on every lattice from nu 0.3 to 0.495."""
-    runs = select(table[table["case"].str.startswith(LONG_COLUMN)], method=PACKAGE.name)
+    runs = select(table[table["case"].str.startswith(LONG_COLUMN)], method=SUPG.name)
     what = "the column is sound on every lattice, nu 0.3 to 0.495, to 0.2 s"
     return _counted(
-        what, runs, runs["verdict"] == SOUND, partial, "are sound", where=PACKAGE.name
+        what, runs, runs["verdict"] == SOUND, partial, "are sound", where=SUPG.name
     )
 
 
@@ -227,9 +227,9 @@ def stabilisation_smooths(table: pd.DataFrame, partial: str) -> Claim:
 def _smoothed(what: str, table: pd.DataFrame, without: str, partial: str, source: Source) -> Claim:
     runs = select(table, case="punch, initial")
     noise = runs[runs["survived"] == True].set_index("method")["noise_end"].to_dict()  # noqa: E712
-    if not {PACKAGE.name, without} <= set(noise):
+    if not {SUPG.name, without} <= set(noise):
         return Claim(what, {}, "<=", REMOVED, source=source)
-    before, after = float(noise[without]), float(noise[PACKAGE.name])
+    before, after = float(noise[without]), float(noise[SUPG.name])
     return Claim(
         what, after / before, "<=", REMOVED, source=source, incomplete=partial,
         # Where there were no fluctuations, none were removed.
@@ -257,9 +257,9 @@ def step_does_not_matter(table: pd.DataFrame, partial: str) -> Claim:
         index="case", columns="method", values="energy_kept"
     )
     change, diverged = pd.Series(dtype=float), 0
-    if {PACKAGE.name, *OTHER_STEPS} <= set(kept):
-        kept = kept.dropna(subset=[PACKAGE.name, *OTHER_STEPS])
-        change = kept[[*OTHER_STEPS]].sub(kept[PACKAGE.name], axis=0).abs().max(axis=1)
+    if {SUPG.name, *OTHER_STEPS} <= set(kept):
+        kept = kept.dropna(subset=[SUPG.name, *OTHER_STEPS])
+        change = kept[[*OTHER_STEPS]].sub(kept[SUPG.name], axis=0).abs().max(axis=1)
         diverged = int((select(table, verdict=DIVERGED)["method"].isin(OTHER_STEPS)).sum())
     said = f"energy kept differs by at most {change.max():.4f}, {diverged} runs diverge"
     return Claim.counted(
@@ -297,12 +297,12 @@ def long_figure(results: Results) -> Figure:
 
 
 def variants_figure(results: Results) -> Figure:
-    """The package default and what one change makes of it."""
+    """self-adjoint SUPG and what one change makes of it."""
     table = results.tables["table"]
     names = [variant.name for variant in VARIANTS]
     ours = table[table["case"].isin(table[table["method"].isin(names)]["case"])]
-    labels = {name: name.removeprefix(f"{PACKAGE.name}, ") for name in names}
-    return overview(ours, {PACKAGE.name: PACKAGE.name} | labels)
+    labels = {name: name.removeprefix(f"{SUPG.name}, ") for name in names}
+    return overview(ours, {SUPG.name: SUPG.name} | labels)
 
 
 def words(tables: Tables) -> Mapping[str, Any]:
@@ -324,7 +324,7 @@ def words(tables: Tables) -> Mapping[str, Any]:
         "neutral": NEUTRAL,
         "criteria": CRITERIA,
         "thresholds": {name: limit - 1.0 for name, limit in LIMITS.items()},
-        "default": PACKAGE.name,
+        "default": SUPG.name,
         "failures": bad[["case", "method", "verdict", "why", "where"]],
         "failures_of_default": bad[bad["method"].isin(BY_PACKAGE)],
         "short": _short(table),

@@ -13,7 +13,7 @@ import pandas as pd
 import sphsolid as sph
 from studies.engine.case import Case, Row
 from studies.engine.plotting import GREEN, SKY
-from studies.methods import B_BAR, DISPLACEMENT, PACKAGE, PAPER, UNSTABILISED, Method, Times
+from studies.methods import B_BAR, DISPLACEMENT, PAPER, SUPG, UNSTABILISED, Method, Times
 from studies.stability.hard_problems import Checkerboard, Column, Problem, Pulled, Punch, Seed
 
 #: The paper's settings of its column with H1.
@@ -21,30 +21,30 @@ PAPER_COLUMN = PAPER.but(
     name="paper", label="paper: {p,F,H,J}, H1, tau_F = dt, xi_F = 0.2, tau_p = 0.1 dt",
     formulation=sph.PFHJ(), xi_F=0.2, tau_p=sph.OfStep(0.1),
 )  # fmt: skip
-WITHOUT_J = PACKAGE.but(formulation=sph.PF(), marker="^")
-RK3 = PACKAGE.but(integrator=sph.SSPRK3(), colour=GREEN, marker="<")
+WITHOUT_J = SUPG.but(formulation=sph.PF(), marker="^")
+RK3 = SUPG.but(integrator=sph.SSPRK3(), colour=GREEN, marker="<")
 #: The package's choice before the self-adjoint weighting.
 PRINTED = RK3.but(
-    name="package default, SSP-RK3, printed", colour=SKY, marker=">",
+    name="self-adjoint SUPG, SSP-RK3, printed", colour=SKY, marker=">",
     weighting=sph.AsPrinted(), tau_F=sph.OfStep(0.5), tau_p=sph.OfStep(0.1),
 )  # fmt: skip
 #: Every method that is put to the short cases.
 METHODS = (
-    PACKAGE, WITHOUT_J, RK3, PRINTED, PAPER_COLUMN, UNSTABILISED, DISPLACEMENT, B_BAR,
+    SUPG, WITHOUT_J, RK3, PRINTED, PAPER_COLUMN, UNSTABILISED, DISPLACEMENT, B_BAR,
 )  # fmt: skip
 #: Evidence for choices of the package: not put to the long columns and the waves.
 _SHORT_ONLY = (WITHOUT_J, RK3, PRINTED, DISPLACEMENT)
 LONG_METHODS = tuple(method for method in METHODS if method not in _SHORT_ONLY)
 STABILISED = tuple(m.name for m in METHODS if m not in (UNSTABILISED, DISPLACEMENT, B_BAR))
-#: One change of the package default each: the evidence for what it is.
+#: One change of self-adjoint SUPG each: the evidence for what it is.
 VARIANTS = (
-    PACKAGE.but(cfl=0.5), PACKAGE.but(cfl=0.8), PACKAGE.but(tau_F=Times(0.5)),
-    PACKAGE.but(tau_F=Times(2.0)), PACKAGE.but(tau_F=Times(4.0)), PACKAGE.but(tau_p=0.0),
+    SUPG.but(cfl=0.5), SUPG.but(cfl=0.8), SUPG.but(tau_F=Times(0.5)),
+    SUPG.but(tau_F=Times(2.0)), SUPG.but(tau_F=Times(4.0)), SUPG.but(tau_p=0.0),
 )  # fmt: skip
 OTHER_STEPS, WITHOUT_TAU_P = tuple(each.name for each in VARIANTS[:2]), VARIANTS[-1].name
 #: What the answers of the columns and the punch are compared with.
 REFERENCE = B_BAR.but(name="B-bar FEM, half spacing")
-_QUICK = (PACKAGE, WITHOUT_J, PRINTED, B_BAR, VARIANTS[1])
+_QUICK = (SUPG, WITHOUT_J, PRINTED, B_BAR, VARIANTS[1])
 
 
 @dataclass(frozen=True)
@@ -154,7 +154,7 @@ def tiny_cases() -> Iterator[Case]:
     by_name = {case.name: case for case in CASES}
     for method in (PAPER_COLUMN, PRINTED, WITHOUT_J, DISPLACEMENT, UNSTABILISED):
         yield _case(by_name["punch, held"], method, 4)
-    yield _case(by_name["pulled to stretch 2"], PACKAGE, 2)
+    yield _case(by_name["pulled to stretch 2"], SUPG, 2)
     yield _case(by_name["column, Omega 105"], B_BAR, 2)
 
 

@@ -24,7 +24,7 @@ from sphsolid.scenes import Box, Constraint, Scene
 from studies.engine.case import Case, Row
 from studies.engine.plotting import outside_legend, panels
 from studies.engine.results import Results
-from studies.methods import PACKAGE, PAPER, Method
+from studies.methods import PAPER, SUPG, Method
 from studies.stability.hard_cases import PRINTED, RK3
 from studies.stability.hard_problems import settings, solid
 from studies.stability.spectrum import Linearisation, PlaneWaves, brillouin_zone
@@ -61,7 +61,7 @@ PAPER_SPECTRUM = PAPER.but(
     name="paper, {p,F,J}, xi_F = 0.1", formulation=sph.PFJ(), xi_F=0.1, tau_p=sph.OfStep(0.1)
 )
 #: What scans are made around.
-BASES = (PACKAGE, RK3, PRINTED, PAPER_SPECTRUM)
+BASES = (SUPG, RK3, PRINTED, PAPER_SPECTRUM)
 _PF = {"formulation": sph.PF(), "tau_p": 0.0}
 
 
@@ -185,7 +185,7 @@ Variant = tuple[str, str, Mapping[str, Any], Block]
 def _variants(base: Method) -> Iterator[Variant]:
     """Scan, name, changes of the method, and the block, of every scan around ``base``."""
     yield "base", "base", {}, Block()
-    if base in (PACKAGE, PRINTED):
+    if base in (SUPG, PRINTED):
         unit = sph.OfStep if base is PRINTED else sph.OfMesh
         for c in (0.1, 0.25, 1.0, 2.0):
             yield "tau_F", f"tau_F {c:g} {unit(c).unit}, {{p,F}}", _PF | {"tau_F": unit(c)}, Block()
@@ -193,7 +193,7 @@ def _variants(base: Method) -> Iterator[Variant]:
         for nu in (0.3, 0.45):
             changes = {"formulation": sph.PFJ(), "tau_p": sph.OfStep(0.1)}
             yield "nu", f"nu {nu:g}, tau_p 0.1", changes, Block(nu=nu)
-    if base is not PACKAGE:
+    if base is not SUPG:
         return
     yield "formulation", "{p,F}", _PF, Block()
     yield "formulation", "{p,F}, nu 0.3", _PF, Block(nu=0.3)
@@ -224,7 +224,7 @@ def spectrum_cases(*, quick: bool) -> Iterator[Case]:
                 method = base.but(name=base.name, **changes)
                 yield _case(what, variant, base.name, method, block)
         yield _case("base", "base", base.name, base, Block(INTERIOR))
-    maps = ((PACKAGE, 0.495), (PACKAGE.but(formulation=sph.PF()), 0.3), (PAPER_SPECTRUM, 0.495))
+    maps = ((SUPG, 0.495), (SUPG.but(formulation=sph.PF()), 0.3), (PAPER_SPECTRUM, 0.495))
     for method, nu in maps[:1] if quick else maps:
         for h in QUICK_SUPPORTS if quick else SUPPORTS:
             name = f"{method.name}, nu {nu:g}"
@@ -237,11 +237,11 @@ def spectrum_cases(*, quick: bool) -> Iterator[Case]:
                 # Without tau_p that of {p,F}, and so tabulated: see spectrum_tables.
                 if formulation.evolves_J and nu < NEARLY_INCOMPRESSIBLE:
                     continue
-                method = PACKAGE.but(integrator=integrator, formulation=formulation)
+                method = SUPG.but(integrator=integrator, formulation=formulation)
                 variant = f"{formulation.name}, nu {nu:g}"
                 yield _case("limits", variant, integrator.name, method, Block(nu=nu))
     # Whether what grows on the small block grows as fast on a larger one.
-    yield _case("larger", "base", PACKAGE.name, PACKAGE, Block(), LARGER)
+    yield _case("larger", "base", SUPG.name, SUPG, Block(), LARGER)
 
 
 def _case(
@@ -257,7 +257,7 @@ def _case(
 
 def tiny_spectra() -> Iterator[Case]:
     """Every kernel that the spectra use."""
-    for base in (PACKAGE, PRINTED, PAPER_SPECTRUM):
+    for base in (SUPG, PRINTED, PAPER_SPECTRUM):
         yield _case("warm-up", "base", base.name, base, Block(), 2)
 
 
@@ -374,7 +374,7 @@ def default_limits_figure(results: Results) -> Figure:
     for ax, (name, mine) in zip(axes[0], table.groupby("integrator", sort=False), strict=True):
         for formulation, part in mine.groupby("formulation"):
             place = [ratios.index(nu) for nu in part["nu"]]
-            look = PACKAGE.look | {"linestyle": "-" if formulation == sph.PFJ().name else "--"}
+            look = SUPG.look | {"linestyle": "-" if formulation == sph.PFJ().name else "--"}
             ax.plot(place, part["cfl_slow"], **look, markerfacecolor="white")
             ax.plot(place, part["cfl_fast"], **look, label=str(formulation))
         ax.axhline(usual[str(name)], color="0.5", linewidth=0.8, linestyle=":")

@@ -27,7 +27,7 @@ from studies.engine.plotting import outside_legend, panels
 from studies.engine.results import Results, Tables
 from studies.measures.run import run
 from studies.measures.tables import select
-from studies.methods import B_BAR, PACKAGE, Method
+from studies.methods import B_BAR, SUPG, Method
 from studies.stability.hard_cases import LONG_METHODS
 from studies.stability.hard_problems import DENSITY, YOUNG, Measured, solid
 
@@ -240,7 +240,7 @@ def _spread(X: Array, weight: Array) -> tuple[float, float]:
 
 def wave_cases(*, quick: bool) -> Iterator[Case]:
     """The mode of the block on 1/8 and 1/12, and the pulse; coarse and two methods in short."""
-    two = (PACKAGE, B_BAR)
+    two = (SUPG, B_BAR)
     for nu in VIBRATION_NU[:1] if quick else VIBRATION_NU:
         runs = [(4, two)] if quick else [(8, LONG_METHODS), (12, two)]
         for cells, methods in runs:
@@ -279,8 +279,8 @@ def wave_tables(rows: list[Row]) -> dict[str, pd.DataFrame]:
 
 
 def wave_claims(tables: Tables) -> list[Claim]:
-    """Of the package default, beside elements."""
-    ours, theirs = (select(tables["vibration"], method=m.name) for m in (PACKAGE, B_BAR))
+    """Of self-adjoint SUPG, beside elements."""
+    ours, theirs = (select(tables["vibration"], method=m.name) for m in (SUPG, B_BAR))
     kept = (ours["energy_left"] >= LEAST_LEFT) & (ours["frequency_error"].abs() <= MOST_OFF)
     parts = [
         f"nu {row.nu:g} on 1/{row.cells}: {row.energy_left:.1%} left, frequency "
@@ -292,16 +292,16 @@ def wave_claims(tables: Tables) -> list[Claim]:
         "a free vibration keeps its energy and its frequency", int(kept.sum()), len(ours),
         said="; ".join(parts) + (f" ({B_BAR.name}: {'; '.join(beside)})" if beside else ""),
         wanted=f"{LEAST_LEFT:.0%} of the energy, frequency within {MOST_OFF:.0%}",
-        where=PACKAGE.name,
+        where=SUPG.name,
     )  # fmt: skip
     error = tables["pulse"].pivot_table(index="nu", columns="method", values="error")
     near = {}
-    if {PACKAGE.name, B_BAR.name} <= set(error):
-        ratio = error[PACKAGE.name] / error[B_BAR.name]
+    if {SUPG.name, B_BAR.name} <= set(error):
+        ratio = error[SUPG.name] / error[B_BAR.name]
         near = {f"nu {nu:g}": float(value) for nu, value in ratio.items()}
     arrives = Claim(
         "a pulse three spacings wide arrives as with elements: its error over theirs", near, "<=",
-        AS_ELEMENTS, where=PACKAGE.name,
+        AS_ELEMENTS, where=SUPG.name,
     )  # fmt: skip
     return [vibrates, arrives]
 

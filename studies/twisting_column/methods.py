@@ -6,7 +6,7 @@ import pandas as pd
 
 import sphsolid as sph
 from studies.measures.tables import select
-from studies.methods import B_BAR, DISPLACEMENT, PACKAGE, PAPER, Method, Times
+from studies.methods import B_BAR, DISPLACEMENT, PAPER, SUPG, Method, Times
 from studies.twisting_column.runs import NU
 
 #: The paper's lattices have 4x19x4, 5x25x5, 6x31x6 particles; the ultra-fine one is not published.
@@ -20,7 +20,7 @@ H1 = PAPER.but(
 H6 = H1.but(
     name="paper, {p,F,H,J}, H6", line="--", marker="^", secondary=sph.H6(), xi_F=0.0,
 )  # fmt: skip
-PLAIN, FEM = PACKAGE, B_BAR
+PLAIN, FEM = SUPG, B_BAR
 NO_TAU_P = PLAIN.but(tau_p=0.0, line=":", marker="v")
 LITERAL, LITERAL_H6 = (
     one.but(operator=sph.Literal(), line=":", marker="x") for one in (H1, H6)

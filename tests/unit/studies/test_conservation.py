@@ -15,7 +15,7 @@ import pytest
 
 from sphsolid import PFHJ, PFJ, SSPRK3, TVDRK2, PositionVerlet
 from sphsolid.errors import Diverged
-from sphsolid.recommendation import recommend
+from sphsolid.recommendation import recommend_supg
 from sphsolid.scenes import l_shaped_block
 from studies import conservation
 from studies.conservation import CFLS, CONSISTENT, H1, OPERATORS, SPACINGS, bare, paper
@@ -29,7 +29,7 @@ from studies.conservation.runs import (
 )
 from studies.engine.study import main
 from studies.measures.run import Ran
-from studies.methods import B_BAR, PACKAGE
+from studies.methods import B_BAR, SUPG
 
 GOOD = {
     "group": "paper", "method": paper().name, "formulation": "{p,F}", "secondary": "H6",
@@ -116,7 +116,7 @@ def test_the_contrast_needs_a_drift(drift, verdict):
 @pytest.mark.parametrize("group", ["paper", "package"])
 def test_pressure_is_compared_on_the_same_mesh(noise, verdict, group):
     own = {"noise": noise, "group": group}
-    own |= {"method": PACKAGE.name, "secondary": "H1"} if group == "package" else {}
+    own |= {"method": SUPG.name, "secondary": "H1"} if group == "package" else {}
     elements = [ELEMENTS | {"noise": value, "spacing": h} for value, h in ((0.1, 0.85), (9.0, 0.5))]
     assert judged(runs(own, *elements))[SMOOTH] == verdict
 
@@ -211,19 +211,19 @@ def test_the_whole_study_holds_every_combination_once():
 @pytest.mark.parametrize("formulation", [PFJ(), PFHJ()])
 def test_the_package_default_has_its_name_where_it_is_chosen(formulation):
     scene = l_shaped_block()
-    assert conservation.package(scene, recommend(scene).formulation) is PACKAGE
+    assert conservation.package(scene, recommend_supg(scene).formulation) is SUPG
     assert formulation.name in conservation.package(scene, formulation).name
 
 
 def small(options: argparse.Namespace) -> list[Any]:
     """Both scenes by both solvers on a few particles; the paper's runs with frames."""
-    long = (paper(), paper(operator=CONSISTENT), B_BAR, PACKAGE)
+    long = (paper(), paper(operator=CONSISTENT), B_BAR, SUPG)
     groups = ("paper", "paper", "elements", "package")
     listed: list[Any] = [
         Block(group, method, 1.5, pictured=True) for group, method in zip(groups, long, strict=True)
     ]
     listed.append(Block("paper", paper(H1, CONSISTENT, PFHJ()), 1.5, until=0.5))
-    for method in (paper(H1, CONSISTENT), B_BAR, PACKAGE):
+    for method in (paper(H1, CONSISTENT), B_BAR, SUPG):
         listed.append(Cube("elements" if method is B_BAR else "ladder", method, 0.5, turns=0.25))
     return [conservation.case_of(one, options.out) for one in listed]
 
@@ -241,7 +241,7 @@ def test_a_small_study_runs_from_command_line_to_report(tmp_path: Path):
     assert (whole[["linear", "angular_free", "angular_step"]] < 1e-12).all(axis=None)
     assert (whole["impulse_gap"] < 1e-12).all()
     assert (whole["left_over"].abs() < 1e-3).all()
-    mine = table[table["method"] == PACKAGE.name].iloc[0]
+    mine = table[table["method"] == SUPG.name].iloc[0]
     assert (mine["integrator"], mine["weighting"]) == ("position Verlet", "self-adjoint")
     cube = pd.read_csv(tmp_path / "cube.csv")
     assert (cube["angular_total"] < 1e-12).all()

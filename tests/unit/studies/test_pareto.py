@@ -266,7 +266,7 @@ def test_methods_are_the_package_s_and_the_paper_s():
     assert len(options()) == 19
     scene = twisting_column()
     of = {method.name: method for method in (*compared(0.495), *options())}
-    sim = of["package default, {p,F,J}"].simulation(scene, spacing=0.5)
+    sim = of["self-adjoint SUPG, {p,F,J}"].simulation(scene, spacing=0.5)
     assert sim.stabilisation == default_stabilisation(sph.PFJ(), scene.material)
     assert sim.integrator == sph.PositionVerlet()
     paper = of["paper, {p,F,J}"].simulation(scene, spacing=0.5)

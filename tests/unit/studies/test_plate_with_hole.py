@@ -11,7 +11,7 @@ from sphsolid.geometry import AsMeshed, MeshFile
 from studies import plate_with_hole as study
 from studies.engine.results import Results
 from studies.meshes import MESHES
-from studies.methods import B_BAR, PACKAGE
+from studies.methods import B_BAR, SUPG
 from studies.plate_with_hole.plane import plane_stress_over_pull
 from studies.plate_with_hole.recovery import at_cells, fitted
 
@@ -55,7 +55,7 @@ def test_the_plane_reference_converges_and_meets_kirsch_for_a_small_hole():
 def test_claims(off, folded, verdict):
     nothing = dict.fromkeys(study.COMPARED, np.nan) | {"folded": folded}
     runs = [
-        {"method": PACKAGE.name, "key": "a", **nothing, "against_fit": off},
+        {"method": SUPG.name, "key": "a", **nothing, "against_fit": off},
         {"method": B_BAR.name, "key": "b", **nothing, "against_fit": 0.0},
     ]
     [claim] = study.claims({"table": pd.DataFrame(runs)})
@@ -73,14 +73,14 @@ def planted(method, edge, highest, ring):
 
 
 def test_differences_are_relative_to_the_elements():
-    rows = [*planted(B_BAR, 3.0, 3.0, 1.0), *planted(PACKAGE, 3.3, 3.6, 1.1)]
+    rows = [*planted(B_BAR, 3.0, 3.0, 1.0), *planted(SUPG, 3.3, 3.6, 1.1)]
     table = study.tables(rows)["table"].set_index("method")
     assert table.loc[B_BAR.name, list(study.COMPARED)].isna().all()
-    found = table.loc[PACKAGE.name, list(study.COMPARED)].astype(float)
+    found = table.loc[SUPG.name, list(study.COMPARED)].astype(float)
     np.testing.assert_allclose(found, [0.1, 0.1, 0.2, 0.05])
 
 
-@pytest.mark.parametrize("method", [B_BAR, PACKAGE], ids=lambda method: method.name)
+@pytest.mark.parametrize("method", [B_BAR, SUPG], ids=lambda method: method.name)
 def test_a_short_pull_from_end_to_end(method, tmp_path):
     """Too short to reach the hole, long enough for every number of the report to be there."""
     rows = study.run_plate(
@@ -93,7 +93,7 @@ def test_a_short_pull_from_end_to_end(method, tmp_path):
     value = rows[0]
     assert value["steps"] >= study.INSTANTS
     assert np.isfinite(value["edge_fit"])
-    assert np.isfinite(value["edge_particles"]) == (method == PACKAGE)
+    assert np.isfinite(value["edge_particles"]) == (method == SUPG)
     # The end that is pulled is at 5 radii: nothing has arrived at the hole.
     assert abs(value["edge_fit"]) < 1e-3
     tables = study.tables(rows)

@@ -11,7 +11,7 @@ import pytest
 from sphsolid.cloud.lengths import Uniform, lengths_of
 from sphsolid.geometry.integrals import vertex_volumes
 from studies.engine.results import Results
-from studies.methods import PACKAGE
+from studies.methods import SUPG
 from studies.punch_cloud import (
     BARE,
     CLOUDS,
@@ -52,7 +52,7 @@ def test_hexahedra_have_the_smoothing_length_of_the_points() -> None:
     assert grid.spacing > 1.2 * points.spacing
 
 
-@pytest.mark.parametrize("method", [PACKAGE, BARE])
+@pytest.mark.parametrize("method", [SUPG, BARE])
 def test_a_short_punch_without_a_mesh(tmp_path: Path, method) -> None:
     run, first, second = run_case(
         key="short", cloud=POINTS, method=method, cells=10, seed=1, until=1e-3,
@@ -60,7 +60,7 @@ def test_a_short_punch_without_a_mesh(tmp_path: Path, method) -> None:
     )  # fmt: skip
     assert run["survived"]
     assert run["steps"] > 2
-    assert (run["secondary"] > 0) == (method == PACKAGE)
+    assert (run["secondary"] > 0) == (method == SUPG)
     assert run["noise"] == pytest.approx(np.mean([first["noise"], second["noise"]]))
     assert math.isnan(run["noise_in_rows"])
     assert run["missed_momentum"] < 1e-12
@@ -78,14 +78,14 @@ def made(noise: dict, **changes) -> list[dict]:
     for (cloud, method), values in noise.items():
         for seed, value in enumerate(values, start=1):
             row = common | {"cloud": cloud, "method": method.name, "seed": seed, "noise": value}
-            own = changes if cloud == POINTS and method == PACKAGE else {}
+            own = changes if cloud == POINTS and method == SUPG else {}
             rows.append(row | {"key": f"{cloud} {method.name} {seed}"} | own)
     return rows
 
 
 WORLD = {
-    (HEXAHEDRA, PACKAGE): (0.10, 0.12), (POINTS, PACKAGE): (0.11, 0.13),
-    (FILLED, PACKAGE): (0.12, 0.12), (POINTS, TETRAHEDRA): (0.05, 0.06), (POINTS, BARE): (0.4, 0.4),
+    (HEXAHEDRA, SUPG): (0.10, 0.12), (POINTS, SUPG): (0.11, 0.13),
+    (FILLED, SUPG): (0.12, 0.12), (POINTS, TETRAHEDRA): (0.05, 0.06), (POINTS, BARE): (0.4, 0.4),
 }  # fmt: skip
 
 
@@ -96,7 +96,7 @@ def verdicts(noise: dict, **changes) -> dict[str, str]:
 def test_claims_compare_with_h1_on_the_points_of_the_same_seed() -> None:
     found = tables(made(WORLD))
     against = found["table"].set_index(["cloud", "method"])["against_H1"]
-    assert against[POINTS, PACKAGE.name] == pytest.approx(np.mean([0.1, 1 / 12]))
+    assert against[POINTS, SUPG.name] == pytest.approx(np.mean([0.1, 1 / 12]))
     assert against[POINTS, TETRAHEDRA.name] == pytest.approx(-0.5)
     assert set(verdicts(WORLD).values()) == {"met"}
     assert len(verdicts(WORLD)) == 8
@@ -105,12 +105,12 @@ def test_claims_compare_with_h1_on_the_points_of_the_same_seed() -> None:
 @pytest.mark.parametrize(
     ("claim", "noise", "changes"),
     [
-        ("points: noise above that of H1, mean", {(POINTS, PACKAGE): (0.14, 0.13)}, {}),
-        ("points: the same, worst seed", {(POINTS, PACKAGE): (0.125, 0.12)}, {}),
+        ("points: noise above that of H1, mean", {(POINTS, SUPG): (0.14, 0.13)}, {}),
+        ("points: the same, worst seed", {(POINTS, SUPG): (0.125, 0.12)}, {}),
         ("points: noise over that without stabilisation", {(POINTS, BARE): (0.2, 0.2)}, {}),
         ("points: runs that diverged", {}, {"survived": False}),
         ("points: runs that folded", {}, {"folded": True}),
-        ("filled: noise above that of H1, mean", {(FILLED, PACKAGE): (0.14, 0.14)}, {}),
+        ("filled: noise above that of H1, mean", {(FILLED, SUPG): (0.14, 0.14)}, {}),
     ],
 )
 def test_each_claim_can_fail(claim: str, noise: dict, changes: dict) -> None:
@@ -119,7 +119,7 @@ def test_each_claim_can_fail(claim: str, noise: dict, changes: dict) -> None:
 
 def test_pictures_and_curves_are_drawn_from_what_was_kept(tmp_path: Path) -> None:
     rows = run_case(
-        key="k", cloud=POINTS, method=PACKAGE, cells=10, seed=1, until=5e-4,
+        key="k", cloud=POINTS, method=SUPG, cells=10, seed=1, until=5e-4,
         shots=str(tmp_path / "shots"),
     )  # fmt: skip
     found = tables(rows)

@@ -14,7 +14,7 @@ from sphsolid.errors import InputError
 from sphsolid.scenes import Box, Scene, Traction
 from studies.engine.case import execute
 from studies.engine.results import Results
-from studies.methods import PACKAGE, PAPER
+from studies.methods import PAPER, SUPG
 from studies.stability.spectrum import Linearisation, PlaneWaves, brillouin_zone, take_times_at
 from studies.stability.spectrum_cases import (
     BODIES,
@@ -370,12 +370,12 @@ def test_what_cannot_be_linearised_is_refused():
 @pytest.mark.slow
 def test_cases_make_tables_and_figures(tmp_path):
     cases = [
-        _case("base", "base", PACKAGE.name, PACKAGE, Block(), 3),
-        _case("base", "base", PACKAGE.name, PACKAGE, Block(INTERIOR), 3),
-        _case("map", "0.9", "a", PACKAGE.but(h_over_dx=0.9), Block(), 3),
-        _case("limits", "{p,F}", "position Verlet", PACKAGE.but(formulation=sph.PF()),
+        _case("base", "base", SUPG.name, SUPG, Block(), 3),
+        _case("base", "base", SUPG.name, SUPG, Block(INTERIOR), 3),
+        _case("map", "0.9", "a", SUPG.but(h_over_dx=0.9), Block(), 3),
+        _case("limits", "{p,F}", "position Verlet", SUPG.but(formulation=sph.PF()),
               Block(nu=0.3), 3),
-        _case("larger", "base", PACKAGE.name, PACKAGE, Block(), 3),
+        _case("larger", "base", SUPG.name, SUPG, Block(), 3),
     ]  # fmt: skip
     outcomes = [execute(case) for case in cases]
     assert [outcome.message for outcome in outcomes] == [""] * 5
@@ -403,7 +403,7 @@ def test_the_whole_list_covers_every_scan():
     keys = [case.key for case in listed]
     assert len(set(keys)) == len(keys)
     asked = {case.arguments["variant"] for case in listed}
-    assert {variant for _, variant, _, _ in _variants(PACKAGE)} <= asked
+    assert {variant for _, variant, _, _ in _variants(SUPG)} <= asked
     assert len(list(spectrum_cases(quick=True))) < 20
 
 

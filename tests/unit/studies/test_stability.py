@@ -15,7 +15,7 @@ import sphsolid as sph
 from sphsolid.errors import Diverged, InputError
 from sphsolid.scenes import twisting_column
 from studies import stability
-from studies.methods import B_BAR, PACKAGE, UNSTABILISED
+from studies.methods import B_BAR, SUPG, UNSTABILISED
 from studies.stability import waves
 from studies.stability.hard_cases import (
     CASES,
@@ -57,7 +57,7 @@ from studies.stability.judgement import (
 from studies.stability.waves import Pulse, lowest_mode, pulse, vibration, wave_claims, wave_tables
 
 GOOD = {
-    "case": "column", "method": PACKAGE.name, "applicable": True, "survived": True, "why": "",
+    "case": "column", "method": SUPG.name, "applicable": True, "survived": True, "why": "",
     "where": "", "diverged_at": math.nan, "end_time": 0.1, "energy_kept": 0.98,
     "energy_gain": 0.0, "J_min": 0.99, "J_max": 1.02, "folded": False, "unseen_rms": 0.05,
     "inside_out": 0.0, "noise_end": 0.1, "dissipated_p": 0.01, "answer": 6.0,
@@ -227,7 +227,7 @@ def test_the_list_of_cases_is_whole():
 @pytest.mark.parametrize(("nu", "tau_F", "tau_p"), [(0.495, 0.5, 0.1), (0.45, 0.5, 0.0)])
 def test_methods_are_what_their_names_say(nu, tau_F, tau_p):
     scene = block(poisson_ratio=nu)
-    ours = PACKAGE.simulation(scene, spacing=0.5)
+    ours = SUPG.simulation(scene, spacing=0.5)
     assert ours.formulation == sph.PFJ(), "as every short case has it"
     assert ours.stabilisation.tau_p == sph.OfStep(tau_p)
     for method in (RK3, VARIANTS[0]):
@@ -249,7 +249,7 @@ def test_disordered_particles_get_the_operator_of_the_package():
     column = twisting_column()
     for jitter, operator in ((0.0, sph.Consistent()), (0.4, sph.SummationByParts())):
         scene = replace(column, body=replace(column.body, jitter=jitter))
-        assert PACKAGE.simulation(scene, spacing=1 / 3).operator == operator
+        assert SUPG.simulation(scene, spacing=1 / 3).operator == operator
 
 
 # --- claims on planted tables -------------------------------------------------------------------
@@ -333,7 +333,7 @@ def test_what_smooths_the_pressure_is_judged_where_it_fluctuates(before, after, 
         (stability.pressure_term_smooths, WITHOUT_TAU_P, ("not reproduced", "reproduced")),
         (stability.stabilisation_smooths, UNSTABILISED.name, ("not met", "met")),
     ):
-        noise = {PACKAGE.name: after, without: before}
+        noise = {SUPG.name: after, without: before}
         rows = [of(name, case="punch, initial", noise_end=value) for name, value in noise.items()]
         assert claim(tabled(*rows), "").verdict == words[verdict]
         assert claim(tabled(*rows[:1]), "").verdict == "not examined"
@@ -386,9 +386,9 @@ def rows():
     checkerboard = {"case": "seeded checkerboard", "problem": Checkerboard(), "cells": 2}
     return [
         *run_case(method=B_BAR, **seed),
-        *run_case(method=PACKAGE.but(name=PACKAGE.name, cfl=3.0), **seed),
+        *run_case(method=SUPG.but(name=SUPG.name, cfl=3.0), **seed),
         *run_case(method=B_BAR, **checkerboard),
-        *run_case(method=PACKAGE.but(name=PACKAGE.name, cfl=0.1), **checkerboard),
+        *run_case(method=SUPG.but(name=SUPG.name, cfl=0.1), **checkerboard),
     ]
 
 
@@ -414,7 +414,7 @@ def test_the_report_is_made_from_the_rows(rows, tmp_path):
     found = stability.claims(tables)
     assert len(found) == len(stability.HARD_CLAIMS) + 2
     assert {claim.verdict for claim in found} >= {"not examined"}
-    assert overview(tables["table"], {PACKAGE.name: "a", B_BAR.name: "b"}).axes
+    assert overview(tables["table"], {SUPG.name: "a", B_BAR.name: "b"}).axes
     with pytest.raises(InputError, match="no run of none"):
         overview(tables["table"], {"none": "-"})
 
@@ -449,7 +449,7 @@ def test_the_pulse_satisfies_the_wave_equation_and_runs_one_way():
 
 @pytest.mark.slow
 def test_waves_are_rows_with_verdicts():
-    methods = (PACKAGE, B_BAR)
+    methods = (SUPG, B_BAR)
     tables = wave_tables(
         [row for m in methods for row in vibration(method=m, nu=0.3, cells=4)]
         + [row for m in methods for row in pulse(method=m, nu=0.0, cells=10)]
@@ -473,9 +473,9 @@ def test_waves_are_rows_with_verdicts():
 )
 def test_waves_are_judged_by_what_is_left(left, error, verdicts):
     made = [
-        {"part": "vibration", "method": PACKAGE.name, "nu": 0.3, "cells": 8, "energy_left": left,
+        {"part": "vibration", "method": SUPG.name, "nu": 0.3, "cells": 8, "energy_left": left,
          "frequency_error": 0.01},
-        {"part": "pulse", "method": PACKAGE.name, "nu": 0.3, "error": error},
+        {"part": "pulse", "method": SUPG.name, "nu": 0.3, "error": error},
         {"part": "pulse", "method": B_BAR.name, "nu": 0.3, "error": 0.4},
     ]  # fmt: skip
     assert [claim.verdict for claim in wave_claims(wave_tables(made))] == verdicts
