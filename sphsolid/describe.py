@@ -17,6 +17,7 @@ from sphsolid.scenes.stated_deformation import NOT_USED
 from sphsolid.scheme.intrinsic_time import Units
 from sphsolid.scheme.secondary_sums import SecondarySums
 from sphsolid.scheme.stages import Stages
+from sphsolid.scheme.time_step import STRETCH
 
 if TYPE_CHECKING:
     from sphsolid.simulation import Simulation
@@ -42,7 +43,7 @@ def plan(sim: Simulation) -> str:
         "fields         p, x" + (", F" if f.evolves_F else " (F from the geometry)")
         + (", H" if f.evolves_H else " (H = cof F)")
         + (", J" if f.evolves_J else " (J = det F)")
-        + "".join(f", {name}" for name in sim._state if name not in "pxFHJ"),
+        + "".join(f", {name}" for name in sim._state if name not in ("p", "x", *"FHJ", STRETCH)),
         "initial strain " + type(sim.initial_strain).__name__ + _ignored(sim),
         "projection     " + type(sim.angular_momentum).__name__,
         "stabilisation  " + _stabilisation(sim),

@@ -39,6 +39,7 @@ from sphsolid.scheme.initial_state import initial_state
 from sphsolid.scheme.initial_strain import Compatible, InitialStrain
 from sphsolid.scheme.integrator import Integrator
 from sphsolid.scheme.intrinsic_time import Units
+from sphsolid.scheme.lattice_form import LatticeRightHandSide, has_lattice_form
 from sphsolid.scheme.pair_sums import PairSums
 from sphsolid.scheme.projection import AngularMomentumTreatment
 from sphsolid.scheme.right_hand_side import RightHandSide
@@ -133,7 +134,9 @@ class Simulation(BaseSimulation):
         fields = [*self.formulation.fields, *(f for option in options for f in option.fields)]
         names = [field.name for field in fields]
         require(len(names) == len({*names}), f"two fields have one name: {', '.join(names)}")
-        return RightHandSide(self._set_up, terms_of(options, self._set_up), fields)
+        terms = terms_of(options, self._set_up)
+        lean = has_lattice_form(self._set_up, terms, self.integrator)
+        return (LatticeRightHandSide if lean else RightHandSide)(self._set_up, terms, fields)
 
     def _chosen_strain(self, asked: InitialStrain | None) -> InitialStrain:
         stated, adjoint = self.scene.states_deformation, self.cloud.is_adjoint
@@ -218,7 +221,8 @@ class Simulation(BaseSimulation):
         s, material = self._state, self.material
         allowed = self._time_step.stable(s, self.cloud.X, self.time, self.step)
         if not law.is_quadratic(material):
-            J = s.J if self.formulation.evolves_J else determinant(split(s.F))
+            F = s.F if len(s.F) else self._rhs.of_geometry(s).F
+            J = s.J if self.formulation.evolves_J else determinant(split(F))
             allowed /= float(np.max(law.stiffening(material, J)))
         self._allowed = min(allowed, self._rhs.largest_step(s))
         return self._allowed

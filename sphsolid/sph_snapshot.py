@@ -19,9 +19,10 @@ from sphsolid.record.placement import (
 from sphsolid.record.snapshot import Snapshot
 from sphsolid.scheme.right_hand_side import RightHandSide
 from sphsolid.scheme.state import State
+from sphsolid.scheme.time_step import STRETCH
 
 Array = NDArray[np.float64]
-_KNOWN = {"p", "x", "F", "H", "J"}
+_KNOWN = {"p", "x", "F", "H", "J", STRETCH}
 
 
 def snapshot_of(

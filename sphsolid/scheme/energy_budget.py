@@ -126,6 +126,7 @@ class StageBudget:
         up to the change of angular momentum exactly.
         """
         rhs = self._rhs
+        state = rhs.with_strains(state)
         v = state.p / rhs.material.density
         stage = replace(
             rhs.stage, state=state, x=geometry, arms=rhs.operator.arms(geometry), t=t

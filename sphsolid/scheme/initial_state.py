@@ -6,7 +6,7 @@ from sphsolid.continuum.tensor import cofactor, determinant, join, split
 from sphsolid.scenes.scene import Scene
 from sphsolid.scheme.initial_strain import InitialStrain, Start
 from sphsolid.scheme.right_hand_side import RightHandSide
-from sphsolid.scheme.state import State
+from sphsolid.scheme.state import Field, State
 
 
 def initial_state(scene: Scene, rhs: RightHandSide, strain: InitialStrain) -> State:
@@ -21,14 +21,15 @@ def initial_state(scene: Scene, rhs: RightHandSide, strain: InitialStrain) -> St
     rhs.essential.impose(p, 0.0)
     state = rhs.zeros()
     start = Start(scene, rhs, X + u)
-    x = strain.start(start, state.F)
-    start.check(state.F)
-    entries = split(state.F)
+    # A form that stores no F has one here alone.
+    F = state.F if len(state.F) else rhs.operator.zeros(Field("F", "tensor"))
+    x = strain.start(start, F)
+    start.check(F)
+    entries = split(F)
     state.p[:], state.x[:] = p, x
     if formulation.evolves_H:
         state.H[:] = join(cofactor(entries))
     if formulation.evolves_J:
         state.J[:] = determinant(entries)
-    for term in rhs.terms:
-        term.start(state)
+    rhs.start(state)
     return state

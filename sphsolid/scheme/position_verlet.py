@@ -130,6 +130,8 @@ class PositionVerlet:
     name: str = "position Verlet"
     stages: int = 1
     usual_cfl: ClassVar[float] = 0.7
+    #: The evaluation takes an ``F`` that is not evolved.
+    derives_F: ClassVar[bool] = True
 
     def stepper(
         self, rhs: RightHandSide, state: State, essential: EssentialConditions

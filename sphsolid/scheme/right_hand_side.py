@@ -87,6 +87,15 @@ class RightHandSide:
         """``F = sum_b x_b (x) G_b(X_a)`` of positions ``x (N, 3)`` [m]."""
         self.operator.gradient(self.operator.arms(x), 1.0, out)
 
+    def start(self, state: State) -> None:
+        """Let every term fill its own fields at ``t = 0``."""
+        for term in self.terms:
+            term.start(state)
+
+    def with_strains(self, state: State) -> State:
+        """``state`` with every strain that it is evaluated with."""
+        return state
+
     def of_geometry(self, state: State) -> State:
         """``state`` with the ``F`` of its ``x`` where the formulation does not evolve one.
 

@@ -17,6 +17,8 @@ from sphsolid.scheme.state import State
 from sphsolid.scheme.tile import STRIDE, U, load_lane
 
 Array = NDArray[np.float64]
+#: Name of the field of a form that stores no strain: what :func:`_stretch_limits` would find.
+STRETCH = "smallest_stretch"
 ADVICE = (
     "a smaller cfl, more dissipation (tau_F, xi_F; tau_p near incompressibility), "
     "the Consistent operator everywhere, or a finer spacing"
@@ -87,9 +89,12 @@ class TimeStep:
 
         Invalid: a field that is not finite, ``J <= 0``, a stretch below ``THINNEST``.
         """
-        p, F, _, J = state.rows()
-        _stretch_limits(p, F, J, self._limit, self._scratch)
-        limit = self._limit[: self._size]
+        if STRETCH in state:
+            limit = state[STRETCH]
+        else:
+            p, F, _, J = state.rows()
+            _stretch_limits(p, F, J, self._limit, self._scratch)
+            limit = self._limit[: self._size]
         least = float(np.min(limit))
         if least < THINNEST:
             a = int(np.argmax(limit < THINNEST))
