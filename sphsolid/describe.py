@@ -9,7 +9,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from sphsolid.cloud.cloud import Secondary
+from sphsolid.cloud.lattice.line_filter import LineFilter
 from sphsolid.cloud.lengths import Local
+from sphsolid.cloud.pair_filter import PairFilter
 from sphsolid.compiled import description
 from sphsolid.defaults import NotTabulated, stability_limit
 from sphsolid.recommendation import NotMeasured
@@ -145,7 +147,7 @@ def _arrays(values: Sequence[Any]) -> list[Any]:
             found.append(value)
         elif isinstance(value, list | tuple):
             found += _arrays(value)
-        elif isinstance(value, Secondary | SecondarySums | Stages):
+        elif isinstance(value, Secondary | SecondarySums | Stages | LineFilter | PairFilter):
             found += _arrays(list(vars(value).values()))
     return found
 

@@ -129,7 +129,8 @@ class Simulation(BaseSimulation):
         )
 
     def _right_hand_side(self) -> RightHandSide:
-        options = (self.stabilisation, self.dilatation, *self.terms)
+        # The dilatation last: it sees what the others do to J.
+        options = (self.stabilisation, *self.terms, self.dilatation)
         fields = [*self.formulation.fields, *(f for option in options for f in option.fields)]
         names = [field.name for field in fields]
         require(len(names) == len({*names}), f"two fields have one name: {', '.join(names)}")

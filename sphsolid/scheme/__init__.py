@@ -1,5 +1,6 @@
 """The method of the paper, sections 3 to 6: one idea a file."""
 
+from sphsolid.scheme.dilatation import FilteredDilatation, OwnDilatation
 from sphsolid.scheme.formulation import PF, PFHJ, PFJ, PJ, Displacement, Formulation
 from sphsolid.scheme.initial_strain import Compatible, Equilibrated, Given, InitialStrain
 from sphsolid.scheme.integrator import Integrator, Stepper
@@ -39,6 +40,7 @@ __all__ = [
     "Formulation",
     "Equilibrated",
     "Field",
+    "FilteredDilatation",
     "FullHessian",
     "Given",
     "InitialStrain",
@@ -50,6 +52,7 @@ __all__ = [
     "OfMesh",
     "OfStep",
     "Operator",
+    "OwnDilatation",
     "PositionVerlet",
     "RightHandSide",
     "SelfAdjoint",

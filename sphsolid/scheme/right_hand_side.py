@@ -116,9 +116,9 @@ class RightHandSide:
         operator, rates = self.operator, self.rates
         self.stage = stage = Stage(
             state, geometry, operator.arms(geometry), t, rates, self.P, self._projected_rate,
-            self.projects,
+            self.projects, knows_F_x=derives_F and operator.is_adjoint,
         )  # fmt: skip
-        compatible = derives_F and operator.is_adjoint and not self._projected_rate.size
+        compatible = stage.knows_F_x and not self._projected_rate.size
         if derives_F:
             operator.gradient(stage.arms, 1.0, state.F)
         operator.rates_and_stress(
