@@ -46,7 +46,7 @@ from sphsolid.cloud.operator import Consistent, OperatorKind, SummationByParts
 from sphsolid.cloud.secondary import H1, SecondaryPoints
 from sphsolid.errors import InputError
 from sphsolid.geometry.mesh import Mesh
-from sphsolid.scheme.dilatation import Dilatation, OwnDilatation
+from sphsolid.scheme.dilatation import Dilatation, FilteredDilatation, OwnDilatation
 from sphsolid.scheme.formulation import Formulation
 from sphsolid.scheme.initial_strain import Compatible, Equilibrated, Given, InitialStrain
 from sphsolid.scheme.integrator import Integrator as Integrator
@@ -87,7 +87,9 @@ def default_integrator() -> Integrator:
 
 
 def default_dilatation(formulation: Formulation, stabilisation: Stabilisation) -> Dilatation:
-    """Each particle's own."""
+    """A filtered one in the displacement form with a restraint, each particle's own elsewhere."""
+    if is_displacement_form(formulation) and is_restraint(stabilisation):
+        return FilteredDilatation()
     return OwnDilatation()
 
 

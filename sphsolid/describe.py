@@ -9,9 +9,17 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from sphsolid.cloud.cloud import Secondary
+from sphsolid.cloud.lattice.line_filter import LineFilter
+from sphsolid.cloud.lattice_difference import LatticeDifference
 from sphsolid.cloud.lengths import Local
+from sphsolid.cloud.pair_filter import PairFilter
 from sphsolid.compiled import description
-from sphsolid.defaults import NotTabulated, stability_limit
+from sphsolid.defaults import (
+    NotTabulated,
+    is_displacement_form,
+    is_restraint,
+    stability_limit,
+)
 from sphsolid.recommendation import NotMeasured
 from sphsolid.scenes.stated_deformation import NOT_USED
 from sphsolid.scheme.intrinsic_time import Units
@@ -69,6 +77,8 @@ def _advice(sim: Simulation) -> list[str]:
 
 def _support(sim: Simulation) -> str:
     c = sim.cloud
+    if hasattr(sim.operator, "layout"):
+        return "those of the operator"
     ratio = c.smoothing.support * sim.h_over_dx
     if isinstance(c.lengths, Local):
         small, large = ratio * np.min(c.lengths.spacing), ratio * np.max(c.lengths.spacing)
@@ -109,12 +119,16 @@ def _made(sim: Simulation) -> str:
 def _why(sim: Simulation) -> str:
     if "operator" not in sim.by_default:
         return ""
+    if isinstance(sim.operator, LatticeDifference):
+        return "; chosen because on a box lattice no other costs less or is as accurate"
     if sim.cloud.mesh.is_lattice:
         return "; chosen because on a lattice it is as accurate and keeps the stencil"
     return "; chosen because away from a lattice no other is second order"
 
 
 def _limit(sim: Simulation) -> str:
+    if is_displacement_form(sim.formulation) and is_restraint(sim.stabilisation):
+        return "1 is what the highest frequency of the undeformed body allows"
     others = {"formulation", "integrator", "cfl"}
     if others.union(sim.by_default) >= {"stabilisation", "h_over_dx", "operator", "smoothing"}:
         limit = stability_limit(sim.integrator, sim.formulation, sim.material)
@@ -155,7 +169,7 @@ def _arrays(values: Sequence[Any]) -> list[Any]:
             found.append(value)
         elif isinstance(value, list | tuple):
             found += _arrays(value)
-        elif isinstance(value, Secondary | SecondarySums | Stages):
+        elif isinstance(value, Secondary | SecondarySums | Stages | LineFilter | PairFilter):
             found += _arrays(list(vars(value).values()))
     return found
 

@@ -18,7 +18,7 @@ from sphsolid.cloud.smoothing import SmoothingFunction
 from sphsolid.continuum import law
 from sphsolid.continuum.tensor import determinant, split
 from sphsolid.continuum.wave_speed import reference_p_wave_speed
-from sphsolid.defaults import default_initial_strain
+from sphsolid.defaults import default_initial_strain, is_displacement_form, is_restraint
 from sphsolid.describe import memory_bytes, plan, summary
 from sphsolid.errors import require
 from sphsolid.geometry.body import AS_MESHED, Spacing
@@ -32,14 +32,13 @@ from sphsolid.scenes.scene import Scene
 from sphsolid.scenes.stated_deformation import refuse_contradiction
 from sphsolid.scheme.boundary import EssentialConditions, Loads
 from sphsolid.scheme.dilatation import Dilatation
-from sphsolid.scheme.elastic_response import highest_frequency
+from sphsolid.scheme.elastic_response import displacement_frequency, highest_frequency
 from sphsolid.scheme.energy_budget import StageBudget
 from sphsolid.scheme.formulation import Formulation
 from sphsolid.scheme.initial_state import initial_state
 from sphsolid.scheme.initial_strain import Compatible, InitialStrain
 from sphsolid.scheme.integrator import Integrator
 from sphsolid.scheme.intrinsic_time import Units
-from sphsolid.scheme.lattice_form import LatticeRightHandSide, has_lattice_form
 from sphsolid.scheme.pair_sums import PairSums
 from sphsolid.scheme.projection import AngularMomentumTreatment
 from sphsolid.scheme.right_hand_side import RightHandSide
@@ -130,13 +129,13 @@ class Simulation(BaseSimulation):
         )
 
     def _right_hand_side(self) -> RightHandSide:
-        options = (self.stabilisation, self.dilatation, *self.terms)
+        # The dilatation last: it sees what the others do to J.
+        options = (self.stabilisation, *self.terms, self.dilatation)
         fields = [*self.formulation.fields, *(f for option in options for f in option.fields)]
         names = [field.name for field in fields]
         require(len(names) == len({*names}), f"two fields have one name: {', '.join(names)}")
         terms = terms_of(options, self._set_up)
-        lean = has_lattice_form(self._set_up, terms, self.integrator)
-        return (LatticeRightHandSide if lean else RightHandSide)(self._set_up, terms, fields)
+        return RightHandSide(self._set_up, terms, fields)
 
     def _chosen_strain(self, asked: InitialStrain | None) -> InitialStrain:
         stated, adjoint = self.scene.states_deformation, self.cloud.is_adjoint
@@ -155,12 +154,16 @@ class Simulation(BaseSimulation):
         """What a CFL number counts [m]: the least distance of particles, or less off a lattice.
 
         A lattice's highest frequency is ``2 c_p / h_min``; that of particles with very uneven
-        volumes and distances can be nearly twice as high.
+        volumes and distances can be nearly twice as high.  Of the displacement form with a
+        restraint it is ``2 c_p / omega`` with the highest frequency that there is.
         """
+        resolved = 2.0 * reference_p_wave_speed(self.material)
+        if is_displacement_form(self.formulation) and is_restraint(self.stabilisation):
+            omega = displacement_frequency(self._rhs)
+            return resolved / omega if omega > 0.0 else self.cloud.h_min
         if self.cloud.mesh.is_lattice:
             return self.cloud.h_min
         omega = highest_frequency(self._rhs)
-        resolved = 2.0 * reference_p_wave_speed(self.material)
         return resolved / omega if omega * self.cloud.h_min > resolved else self.cloud.h_min
 
     def __deepcopy__(self, memo: dict[int, Any]) -> Simulation:

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sphsolid.continuum import law
-from sphsolid.continuum.tensor import cofactor, determinant, join, split
+from sphsolid.continuum.tensor import cofactor, contract, determinant, join, split
 from sphsolid.geometry.mesh import Mesh, read_only
 from sphsolid.record.budget import Budget, NotTracked
 from sphsolid.record.placement import (
@@ -39,10 +39,15 @@ def snapshot_of(
     J = s.J if formulation.evolves_J else determinant(F)
     density = law.stored_energy(material, F, H, J)
     P = join(law.first_piola(material, F, H, J))
-    energy = float(np.sum(cloud.V * density))
+    of_law = P.copy()
+    energy, volumetric = float(np.sum(cloud.V * density)), 0.0
     for term in rhs.terms:
         term.add_constitutive(s, P)
-        energy += term.stored_energy(s)
+        stored = term.stored_energy(s)
+        energy += stored
+        volumetric += stored if term.stores_volume else 0.0
+    # Mean Cauchy stress of what the terms add: zero to the bit where none does.
+    mean = contract(split(P - of_law), F) / (3.0 * determinant(F))
     X, V = read_only(cloud.X), read_only(cloud.V)
     return Snapshot(
         time=time,
@@ -59,6 +64,8 @@ def snapshot_of(
         J=np.array(J, copy=True),
         P=P,
         strain_energy=energy,
+        added_pressure=mean,
+        added_volumetric_energy=volumetric,
         budget=budget,
         secondary=secondary_gradient(rhs, s.x),
         further={name: read_only(s[name].copy()) for name in s if name not in _KNOWN},

@@ -107,8 +107,9 @@ class LatticeDifference:
         box = box_of(mesh)
         if isinstance(box, NoBox):
             raise InputError(
-                f"LatticeDifference needs a box of lattice points, and of this body {box.reason}; "
-                "use Consistent() on other lattices and SummationByParts() elsewhere"
+                "LatticeDifference needs particles that are a full box of lattice points, and of "
+                "this body they are not; use Consistent() on other lattices and "
+                "SummationByParts() elsewhere"
             )
         return box
 

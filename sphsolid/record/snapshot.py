@@ -45,9 +45,11 @@ class Snapshot:
     element method (its superconvergent points).  ``strain_energy`` [J], zero in the undeformed
     state, and ``kinetic_energy`` [J] are totals with the method's own quadrature;
     ``volumetric_energy`` [J] is the part ``sum V U(J)`` of the strain energy, ``U`` the volumetric
-    energy of the law.  ``budget`` says where energy and momentum went, when a recorder asked for
-    it; ``secondary`` is the gradient of ``x`` at the secondary particles, where there are any;
-    ``further`` are the fields of a user's own terms ``(N, ...)`` at the primary points.
+    energy of the law, and what the terms of a method add to that, ``added_volumetric_energy``.
+    ``added_pressure (M,)`` [Pa] is the mean Cauchy stress of what they add to ``P``.
+    ``budget`` says where energy and momentum went, when a recorder asked for it; ``secondary`` is
+    the gradient of ``x`` at the secondary particles, where there are any; ``further`` are the
+    fields of a user's own terms ``(N, ...)`` at the primary points.
     Nobody writes to its arrays: one recorder must not change what the next one sees.
     """
 
@@ -65,6 +67,8 @@ class Snapshot:
     J: Array
     P: Array
     strain_energy: float
+    added_pressure: Array = field(default_factory=lambda: np.zeros(()))
+    added_volumetric_energy: float = 0.0
     budget: Budget | NotTracked = NOT_TRACKED
     secondary: SecondaryGradient | NoSecondaryGradient = NO_SECONDARY_GRADIENT
     further: Mapping[str, Array] = field(default_factory=dict)
@@ -98,17 +102,20 @@ class Snapshot:
 
     @property
     def volumetric_energy(self) -> float:
-        """``sum V U(J)`` [J], ``U`` the volumetric energy of the law."""
-        return float(np.sum(self.stress_V * law.volumetric_energy(self.material, self.J)))
+        """``sum V U(J)`` [J], ``U`` the volumetric energy of the law, and what terms add to it."""
+        of_law = np.sum(self.stress_V * law.volumetric_energy(self.material, self.J))
+        return float(of_law) + self.added_volumetric_energy
 
     @property
     def pressure(self) -> Array:
-        """``U'(J) (M,)`` [Pa], **positive in tension**: the mean stress, not its negative.
+        """The pressure that acts ``(M,)`` [Pa], **positive in tension**: not its negative.
 
+        That is ``U'(J)``, the mean stress, and :attr:`added_pressure` where terms add any: with
+        ``FilteredDilatation`` it is the filtered ``p~``.
         ``U`` is the volumetric energy of the law; for ``kappa/2 (J - 1)^2`` this is
         ``kappa (J - 1)``.  Of a law that splits it is ``tr(cauchy) / 3`` where ``J = det F``.
         """
-        return np.asarray(law.volumetric_pressure(self.material, self.J))
+        return np.asarray(law.volumetric_pressure(self.material, self.J)) + self.added_pressure
 
     @property
     def cauchy(self) -> Array:

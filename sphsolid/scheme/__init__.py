@@ -1,6 +1,6 @@
 """The method of the paper, sections 3 to 6: one idea a file."""
 
-from sphsolid.scheme.dilatation import Dilatation, OwnDilatation
+from sphsolid.scheme.dilatation import Dilatation, FilteredDilatation, OwnDilatation
 from sphsolid.scheme.formulation import PF, PFHJ, PFJ, PJ, Displacement, Formulation
 from sphsolid.scheme.initial_strain import Compatible, Equilibrated, Given, InitialStrain
 from sphsolid.scheme.integrator import Integrator, Stepper
@@ -43,6 +43,7 @@ __all__ = [
     "Formulation",
     "Equilibrated",
     "Field",
+    "FilteredDilatation",
     "FullHessian",
     "Given",
     "InitialStrain",

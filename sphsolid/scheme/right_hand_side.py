@@ -107,6 +107,28 @@ class RightHandSide:
         self.deformation_gradient(state.x, F)
         return state.but(F=F)
 
+    def free_force(self, state: State) -> Array:
+        """Force of the body itself ``(N, 3)`` [N/m^3] at free components, no load acting.
+
+        For formulations in which every strain is that of the positions.
+        """
+        operator, rates = self.operator, self.rates
+        self.stage = stage = Stage(
+            state, state.x, operator.arms(state.x), 0.0, rates, self.P, self._projected_rate,
+            projects=False, knows_F_x=operator.is_adjoint,
+        )  # fmt: skip
+        operator.gradient(stage.arms, 1.0, state.F)
+        operator.rates_and_stress(
+            self.material, stage, needs_rates=self.keeps_rates, knows_L=False
+        )
+        for term in self.terms:
+            term.add_stress(stage)
+        operator.internal_force(self.P, rates.p)
+        for term in self.terms:
+            term.add_rates(stage)
+        self.essential.release(rates.p)
+        return rates.p
+
     def evaluate(
         self,
         state: State,
@@ -125,7 +147,7 @@ class RightHandSide:
         operator, rates = self.operator, self.rates
         self.stage = stage = Stage(
             state, geometry, operator.arms(geometry), t, rates, self.P, self._projected_rate,
-            self.projects, derives_F and operator.is_adjoint,
+            self.projects, knows_F_x=derives_F and operator.is_adjoint,
         )  # fmt: skip
         compatible = stage.knows_F_x and not self._projected_rate.size
         if derives_F:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Hashable
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -27,6 +28,7 @@ class SetUp:
     loads: Loads
     essential: EssentialConditions
     _secondary: dict[tuple[SecondaryPoints, bool], Secondary] = field(default_factory=dict)
+    _kept: dict[Hashable, Any] = field(default_factory=dict)
 
     def secondary(self, points: SecondaryPoints, *, adjoint_weight: bool) -> Secondary:
         """Secondary particles, placed once for all terms and all branches of a run."""
@@ -36,6 +38,12 @@ class SetUp:
             self._secondary[key] = made
         return self._secondary[key]
 
+    def kept(self, key: Hashable, make: Callable[[], Any]) -> Any:
+        """What ``make`` returns, made once for all branches of a run: nothing may write to it."""
+        if key not in self._kept:
+            self._kept[key] = make()
+        return self._kept[key]
+
     def again(self, other: SetUp) -> SetUp:
-        """``other``, of the same particles, with the secondary ones that were placed here."""
-        return replace(other, _secondary=self._secondary)
+        """``other``, of the same particles, with what was placed or kept here."""
+        return replace(other, _secondary=self._secondary, _kept=self._kept)

@@ -21,7 +21,7 @@ class Stage:
     body.  ``rates`` by name, ``rates.F`` being ``grad v`` whatever is evolved; ``P (N, 3, 3)`` [Pa]
     the stress whose force is taken; ``projected_rate (N, 3, 3)`` [1/s] the projected ``grad v``
     where a term asks for it, else of zero length; ``projects`` where stresses are projected.
-    ``knows_F_x``: ``state.F`` is ``F_x``.
+    ``knows_F_x``: ``state.F`` is ``F_x``, so that a stress of ``state.F`` needs no projection.
     """
 
     state: State

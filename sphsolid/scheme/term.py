@@ -38,6 +38,8 @@ class Term:
     needs_projected_rate: bool = False
     #: It reads ``units.step`` in :meth:`begin_step`.
     follows_step: bool = False
+    #: What it stores (see :meth:`stored_energy`) belongs to changes of volume.
+    stores_volume: bool = False
     #: The secondary particles it samples at, if any.
     secondary: Secondary | None = None
 

@@ -1,43 +1,33 @@
-"""Is a body a full box of lattice points, and which of them is which particle?"""
+"""Is a mesh a full box of equidistant points, and which particle sits at each of them?"""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from functools import cached_property
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from sphsolid.geometry.integrals import vertex_volumes
 from sphsolid.geometry.mesh import Mesh
 
 Array = NDArray[np.float64]
-Indices = NDArray[np.int64]
-#: How far from its grid point a vertex may lie, in spacings: round-off of positions far away.
-_OFF = 1.0e-6
-
-
-@dataclass(frozen=True)
-class NoBox:
-    """The body is no full box of lattice points; ``reason`` says what it is."""
-
-    reason: str
+#: Share of the spacing within which coordinates are the same.
+_SAME = 1.0e-6
 
 
 @dataclass(frozen=True, eq=False)
 class BoxLattice:
-    """``number (nx, ny, nz)`` is the particle at each grid point; ``dx`` [m] a spacing an axis."""
+    """``counts = (nx, ny, nz)`` points along X, Y, Z, ``dx (3,)`` [m] apart.
 
-    number: Indices
-    dx: tuple[float, float, float]
+    ``number (nx, ny, nz)`` is the particle at each point, whatever the numbering of the mesh is.
+    """
+
+    counts: tuple[int, int, int]
+    dx: Array
+    number: NDArray[np.int64]
 
     @property
-    def counts(self) -> tuple[int, int, int]:
-        """Points along X, Y and Z."""
-        nx, ny, nz = self.number.shape
-        return nx, ny, nz
-
-    @cached_property
     def directions(self) -> tuple[int, int, int]:
         """The axes from slow to fast in memory as they should be: the longest is the fastest.
 
@@ -53,28 +43,40 @@ class BoxLattice:
         return bool(np.array_equal(line, np.arange(len(line))))
 
 
+@dataclass(frozen=True)
+class NoBox:
+    """The vertices are no full box of equidistant points."""
+
+
 def box_of(mesh: Mesh) -> BoxLattice | NoBox:
-    """The grid of ``mesh``, whatever its numbering."""
+    """The box that the vertices of ``mesh`` fill, if it is one and its cells fill it."""
     if not mesh.is_lattice:
-        return NoBox("its particles do not lie on a lattice")
-    X = mesh.vertices
-    low, high = X.min(axis=0), X.max(axis=0)
-    counts, dx = [], []
-    for axis in range(3):
-        steps = np.diff(np.sort(X[:, axis]))
-        apart = steps[steps > _OFF * (high[axis] - low[axis])]
-        counts.append(len(apart) + 1)
-        dx.append(float((high[axis] - low[axis]) / max(1, len(apart))))
-    cells = int(np.prod([n - 1 for n in counts]))
-    if int(np.prod(counts)) != len(X) or cells != len(mesh.cells):
-        return NoBox("it is no single box")
-    place = (X - low) / dx
-    index = np.rint(place).astype(np.int64)
-    number = np.full(counts, -1)
-    number[tuple(index.T)] = np.arange(len(X))
-    if np.max(np.abs(place - index)) > _OFF * max(counts) or np.any(number < 0):
-        return NoBox("its particles are not evenly spaced")
-    return BoxLattice(number, (dx[0], dx[1], dx[2]))
+        return NoBox()
+    X, same = mesh.vertices, _SAME * mesh.spacing
+    place = np.stack([_plane_of(X[:, axis], same) for axis in range(3)])
+    nx, ny, nz = (int(n) + 1 for n in place.max(axis=1))
+    if min(nx, ny, nz) < 2 or nx * ny * nz != len(X):
+        return NoBox()
+    number = np.full((nx, ny, nz), -1)
+    number[tuple(place)] = np.arange(len(X))
+    if np.any(number < 0):
+        return NoBox()
+    lower, sides = X.min(axis=0), np.ptp(X, axis=0)
+    dx = sides / (np.array([nx, ny, nz]) - 1)
+    # Two parts whose gap is one cell wide have all points of a box too.
+    filled = float(np.sum(vertex_volumes(mesh)))
+    equidistant = np.abs(X - lower - place.T * dx) <= same
+    if not np.all(equidistant) or abs(filled / float(np.prod(sides)) - 1.0) > _SAME:
+        return NoBox()
+    return BoxLattice((nx, ny, nz), dx, number)
+
+
+def _plane_of(coordinate: Array, same: float) -> NDArray[np.int64]:
+    """Ordinal number of the plane on which each vertex lies ``(N,)``."""
+    order = np.argsort(coordinate, kind="stable")
+    ordinal = np.empty(len(order), dtype=np.int64)
+    ordinal[order] = np.concatenate([[0], np.cumsum(np.diff(coordinate[order]) > same)])
+    return ordinal
 
 
 def arranged(mesh: Any, box: BoxLattice) -> Any:

@@ -73,12 +73,12 @@ def test_a_traction_pulls_with_its_area():
 
 
 def test_bodies_that_are_no_box_and_orders_there_are_not_are_refused():
-    with pytest.raises(InputError, match="no single box"):
+    with pytest.raises(InputError, match="full box of lattice points"):
         sph.Simulation(
             Scene("L", L_SHAPE, SOLID, 0.01), spacing=0.25, operator=sph.LatticeDifference(4)
         )
     with pytest.raises(InputError, match="must be 2, 4 or 6"):
         sph.LatticeDifference(3)
     scene = Scene("jitter", Box(jitter=0.3), SOLID, 0.01)
-    with pytest.raises(InputError, match="do not lie on a lattice"):
+    with pytest.raises(InputError, match="full box of lattice points"):
         sph.Simulation(scene, spacing=0.25, operator=sph.LatticeDifference(4))

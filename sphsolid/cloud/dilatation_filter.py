@@ -1,0 +1,44 @@
+"""The filter of a cloud that keeps constants and is symmetric in the volumes."""
+
+from __future__ import annotations
+
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sphsolid.cloud.cloud import Cloud
+from sphsolid.cloud.lattice.box import BoxLattice, box_of
+from sphsolid.cloud.lattice.line_filter import LineFilter, axis_weights
+from sphsolid.cloud.pair_filter import PairFilter
+
+Array = NDArray[np.float64]
+
+
+class DilatationFilter(Protocol):
+    """``S`` with ``V_a S_ab = V_b S_ba`` and ``S 1 = 1``."""
+
+    def apply(self, f: Array, work: Array, out: Array) -> None:
+        """``out = S f``, all ``(N,)`` and three different arrays; ``work`` is overwritten."""
+        ...
+
+    @property
+    def description(self) -> str:
+        """Which filter it is."""
+        ...
+
+
+def dilatation_filter(
+    cloud: Cloud, *, order: int, width: float, times: int | None
+) -> DilatationFilter:
+    """Along the lines of a box lattice (``order`` 1 or 2, once), over pairs elsewhere (twice).
+
+    ``width`` is the reach over pairs in spacings; ``times`` says how often it is applied where it
+    is not None.  Lines need volumes that are products of the axes' weights.
+    """
+    box = box_of(cloud.mesh)
+    if isinstance(box, BoxLattice):
+        weights = axis_weights(cloud.V, box)
+        if weights is not None:
+            return LineFilter(box, weights, order=order, times=1 if times is None else times)
+    return PairFilter(cloud, width=width, times=2 if times is None else times)

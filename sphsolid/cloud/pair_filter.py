@@ -1,0 +1,103 @@
+"""A filter on any cloud that keeps constants and is symmetric in the volumes.
+
+With ``k_ab = (1 - r_ab / (w dx_ab))_+`` of pairs that see each other and of each particle itself,
+
+    S_ab = d_a k_ab V_b d_b,        V_a S_ab = V_b S_ba,        S 1 = 1,
+
+where ``d`` is the fixed point of ``d <- sqrt(d / (k V d))``, the symmetric form of Sinkhorn's
+iteration [Sinkhorn1967].  Applied as ``f_a + sum_b S_ab (f_b - f_a)``, which leaves a constant as
+it is to the last bit.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import csr_array
+
+from sphsolid.cloud.cloud import Cloud
+from sphsolid.cloud.gradient import offsets
+from sphsolid.cloud.pairs.neighbours import PairList
+from sphsolid.compiled import kernel, prange
+from sphsolid.errors import InputError
+
+Array = NDArray[np.float64]
+#: Row sums this near to one are round-off of sums of some ten numbers.
+_ROUND_OFF = 1.0e-15
+_MOST_ITERATIONS = 1000
+
+
+@kernel
+def _smooth(indptr, indices, weight, f, out):  # type: ignore[no-untyped-def]
+    for a in prange(len(out)):
+        here, total = f[a], 0.0
+        for k in range(indptr[a], indptr[a + 1]):
+            total += weight[k] * (f[indices[k]] - here)
+        out[a] = here + total
+
+
+class PairFilter:
+    """``S`` of ``cloud`` with a reach of ``width`` spacings, applied ``times`` times."""
+
+    def __init__(self, cloud: Cloud, *, width: float, times: int) -> None:
+        self.width, self.times = width, times
+        pairs, lengths = _pairs(cloud, width), cloud.lengths
+        h = np.broadcast_to(lengths.of_pairs(cloud.X, pairs), pairs.pairs)
+        reach = width / lengths.h_over_dx * h
+        distance = np.linalg.norm(offsets(cloud.X, cloud.X, pairs), axis=1)
+        k = np.maximum(1.0 - distance / reach, 0.0)
+        d = _balanced(k, pairs, cloud.V)
+        row, column = pairs.row_of_pair, pairs.indices
+        weight = (d[row] * d[column]) * k * cloud.V[column]
+        # A particle's own weight is what is left of one.
+        other = row != column
+        count = np.bincount(row[other], minlength=pairs.rows)
+        self._indptr = np.concatenate([[0], np.cumsum(count)]).astype(np.uint64)
+        self._indices, self._weight = column[other], weight[other]
+
+    @property
+    def mean_neighbours(self) -> float:
+        """Others that count, a particle."""
+        return len(self._indices) / (len(self._indptr) - 1)
+
+    def apply(self, f: Array, work: Array, out: Array) -> None:
+        """``out = S f``, all ``(N,)`` and three different arrays; ``work`` is overwritten."""
+        for left in range(self.times, 0, -1):
+            target = out if left % 2 == 1 else work
+            _smooth(self._indptr, self._indices, self._weight, f, target)
+            f = target
+
+    @property
+    def description(self) -> str:
+        """Which filter it is."""
+        times = {1: "once", 2: "twice"}.get(self.times, f"{self.times} times")
+        return (
+            f"{self.width:g} spacings wide, {self.mean_neighbours:.1f} neighbours, {times}"
+        )
+
+
+def _pairs(cloud: Cloud, width: float) -> PairList:
+    """Who lies within the filter's own reach and sees whom, each particle itself included."""
+    within = cloud.lengths.pairs(cloud.X, cloud.X, width / cloud.lengths.h_over_dx)
+    return cloud.sight.seen(cloud.X, within)
+
+
+def _balanced(k: Array, pairs: PairList, V: Array) -> Array:
+    """``d (N,)`` with ``d_a sum_b k_ab V_b d_b = 1``, to round-off or as near as it gets."""
+    matrix = csr_array(
+        (k * V[pairs.indices], pairs.indices.astype(np.int64), pairs.indptr),
+        shape=(pairs.rows, pairs.rows),
+    )
+    d = 1.0 / np.sqrt(matrix @ np.ones(pairs.rows))
+    nearest = np.inf
+    for _ in range(_MOST_ITERATIONS):
+        total = matrix @ d
+        error = float(np.max(np.abs(d * total - 1.0)))
+        if error <= _ROUND_OFF or (error < 1.0e-13 and error >= nearest):
+            return d
+        nearest = error
+        d = np.sqrt(d / total)
+    raise InputError(
+        f"no filter on this cloud: after {_MOST_ITERATIONS} iterations the weights of a particle "
+        f"still miss one by {error:.1e}; use a larger width or a mesh that is less graded"
+    )
