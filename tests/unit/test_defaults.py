@@ -11,7 +11,8 @@ import pytest
 
 import sphsolid as sph
 from sphsolid import defaults
-from sphsolid.scenes import swinging_cube, twisting_column
+from sphsolid.recommendation import recommend_supg
+from sphsolid.scenes import Blocks, Box, Scene, swinging_cube, twisting_column
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -19,9 +20,11 @@ ROOT = Path(__file__).resolve().parents[2]
 @pytest.mark.parametrize(
     ("formulation", "nu", "tau_p"),
     [(sph.PF(), 0.495, 0.0), (sph.PFJ(), 0.495, 0.1), (sph.PFHJ(), 0.45, 0.0),
-     (sph.PFHJ(), 0.4999, 0.1), (sph.PFJ(), 0.3, 0.0), (sph.Displacement(), 0.495, 0.0)],
+     (sph.PFHJ(), 0.4999, 0.1), (sph.PFJ(), 0.3, 0.0)],
 )  # fmt: skip
-def test_options_that_are_not_given_are_chosen(formulation: Any, nu: float, tau_p: float) -> None:
+def test_supg_is_what_a_formulation_that_evolves_a_strain_gets(
+    formulation: Any, nu: float, tau_p: float
+) -> None:
     sim = sph.Simulation(
         twisting_column(poisson_ratio=nu), spacing=0.5, formulation=formulation
     )
@@ -39,7 +42,38 @@ def test_options_that_are_not_given_are_chosen(formulation: Any, nu: float, tau_
     assert sim.h_over_dx == 0.77
     plan = sim.plan()
     assert "CFL 0.7 (on a free lattice block at rest modes grow slowly above" in plan
-    assert "by default     stabilisation, h_over_dx, integrator, cfl, operator, smoothing" in plan
+    chosen = "stabilisation, dilatation, h_over_dx, integrator, cfl, operator, smoothing"
+    assert f"by default     {chosen}" in plan
+
+
+@pytest.mark.parametrize(
+    ("body", "operator"),
+    [
+        (Box(), sph.LatticeDifference()),
+        (Blocks((((0.0, 0.0, 0.0), (1.0, 1.0, 1.0)), ((1.0, 0.0, 0.0), (2.0, 0.5, 1.0)))),
+         sph.Consistent()),
+        (Box(jitter=0.3), sph.SummationByParts()),
+    ],
+    ids=["box", "L", "jitter"],
+)  # fmt: skip
+def test_who_chooses_nothing_gets_a_form_that_holds_its_shape(body: Any, operator: Any) -> None:
+    scene = Scene("body", body, twisting_column(poisson_ratio=0.3).material, 0.01)
+    for given in ({}, {"formulation": sph.Displacement()}, {"stabilisation": sph.Restraint()}):
+        sim = sph.Simulation(scene, spacing=0.25, **given)
+        assert sim.formulation == sph.Displacement()
+        assert sim.stabilisation == sph.Restraint()
+        assert sim.dilatation == sph.FilteredDilatation()
+        assert sim.operator == operator
+    assert "the highest frequency of the undeformed body allows" in sim.plan()
+
+
+def test_a_stabilisation_of_supg_brings_its_formulation() -> None:
+    scene = twisting_column(poisson_ratio=0.3)
+    for given in (sph.SUPG(), sph.NoStabilisation()):
+        sim = sph.Simulation(scene, spacing=0.5, stabilisation=given)
+        assert sim.formulation == recommend_supg(scene).formulation == sph.PF()
+        assert sim.dilatation == sph.OwnDilatation()
+        assert sim.operator == sph.Consistent()
 
 
 @pytest.mark.parametrize("nu", [0.3, 0.499])
@@ -111,7 +145,7 @@ def test_what_is_given_is_kept_and_said() -> None:
     )  # fmt: skip
     assert sim._time_step.cfl == 0.3, "the paper's, with the paper's integrator"
     assert sim.h_over_dx == 0.9
-    assert "by default     h_over_dx, cfl" in sim.plan()
+    assert "by default     dilatation, h_over_dx, cfl" in sim.plan()
     assert "not tabulated" in sim.plan()
 
 
