@@ -12,6 +12,7 @@ from sphsolid.cloud.cloud import Secondary
 from sphsolid.cloud.lattice.line_filter import LineFilter
 from sphsolid.cloud.lattice_difference import LatticeDifference
 from sphsolid.cloud.lengths import Local
+from sphsolid.cloud.linear_pair_filter import LinearPairFilter
 from sphsolid.cloud.pair_filter import PairFilter
 from sphsolid.compiled import description
 from sphsolid.defaults import (
@@ -29,6 +30,8 @@ from sphsolid.scheme.time_step import STRETCH
 
 if TYPE_CHECKING:
     from sphsolid.simulation import Simulation
+
+_FILTERS = LineFilter | PairFilter | LinearPairFilter
 
 
 def plan(sim: Simulation) -> str:
@@ -169,7 +172,7 @@ def _arrays(values: Sequence[Any]) -> list[Any]:
             found.append(value)
         elif isinstance(value, list | tuple):
             found += _arrays(value)
-        elif isinstance(value, Secondary | SecondarySums | Stages | LineFilter | PairFilter):
+        elif isinstance(value, Secondary | SecondarySums | Stages | _FILTERS):
             found += _arrays(list(vars(value).values()))
     return found
 

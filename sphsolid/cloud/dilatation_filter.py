@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from sphsolid.cloud.cloud import Cloud
 from sphsolid.cloud.lattice.box import BoxLattice, box_of
 from sphsolid.cloud.lattice.line_filter import LineFilter, axis_weights
+from sphsolid.cloud.linear_pair_filter import LinearPairFilter
 from sphsolid.cloud.pair_filter import PairFilter
 
 Array = NDArray[np.float64]
@@ -31,14 +32,16 @@ class DilatationFilter(Protocol):
 def dilatation_filter(
     cloud: Cloud, *, order: int, width: float, times: int | None
 ) -> DilatationFilter:
-    """Along the lines of a box lattice (``order`` 1 or 2, once), over pairs elsewhere (twice).
+    """Along the lines of a box lattice (once), over pairs elsewhere (twice).
 
-    ``width`` is the reach over pairs in spacings; ``times`` says how often it is applied where it
-    is not None.  Lines need volumes that are products of the axes' weights.
+    ``order=2`` keeps linear functions, ``order=1`` only constants.  ``width`` is the reach over
+    pairs in spacings; ``times`` says how often it is applied where it is not None.  Lines need
+    volumes that are products of the axes' weights.
     """
     box = box_of(cloud.mesh)
     if isinstance(box, BoxLattice):
         weights = axis_weights(cloud.V, box)
         if weights is not None:
             return LineFilter(box, weights, order=order, times=1 if times is None else times)
-    return PairFilter(cloud, width=width, times=2 if times is None else times)
+    kind = PairFilter if order == 1 else LinearPairFilter
+    return kind(cloud, width=width, times=2 if times is None else times)

@@ -11,6 +11,8 @@ it is to the last bit.
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csr_array
@@ -41,11 +43,7 @@ class PairFilter:
 
     def __init__(self, cloud: Cloud, *, width: float, times: int) -> None:
         self.width, self.times = width, times
-        pairs, lengths = _pairs(cloud, width), cloud.lengths
-        h = np.broadcast_to(lengths.of_pairs(cloud.X, pairs), pairs.pairs)
-        reach = width / lengths.h_over_dx * h
-        distance = np.linalg.norm(offsets(cloud.X, cloud.X, pairs), axis=1)
-        k = np.maximum(1.0 - distance / reach, 0.0)
+        pairs, k, _ = weighted_pairs(cloud, width)
         d = _balanced(k, pairs, cloud.V)
         row, column = pairs.row_of_pair, pairs.indices
         weight = (d[row] * d[column]) * k * cloud.V[column]
@@ -76,10 +74,22 @@ class PairFilter:
         )
 
 
-def _pairs(cloud: Cloud, width: float) -> PairList:
-    """Who lies within the filter's own reach and sees whom, each particle itself included."""
-    within = cloud.lengths.pairs(cloud.X, cloud.X, width / cloud.lengths.h_over_dx)
-    return cloud.sight.seen(cloud.X, within)
+class WeightedPairs(NamedTuple):
+    """Pairs with ``k (P,)`` and ``d (P, 3)``, the offset to the neighbour over the reach."""
+
+    pairs: PairList
+    k: Array
+    d: Array
+
+
+def weighted_pairs(cloud: Cloud, width: float) -> WeightedPairs:
+    """Who lies within ``width`` spacings and sees whom, each particle itself included."""
+    lengths = cloud.lengths
+    within = lengths.pairs(cloud.X, cloud.X, width / lengths.h_over_dx)
+    pairs = cloud.sight.seen(cloud.X, within)
+    h = np.broadcast_to(lengths.of_pairs(cloud.X, pairs), pairs.pairs)
+    d = offsets(cloud.X, cloud.X, pairs) / (width / lengths.h_over_dx * h)[:, None]
+    return WeightedPairs(pairs, np.maximum(1.0 - np.linalg.norm(d, axis=1), 0.0), d)
 
 
 def _balanced(k: Array, pairs: PairList, V: Array) -> Array:

@@ -36,14 +36,15 @@ class FilteredDilatation(TermOption):
     ``p~ = S U'(S J) + beta mu (I - S)^2 J`` [Pa].  A particle's own ``J`` may wander from its
     neighbours', ``S J`` carries the pressure (see ``filtered_dilatation``).
 
-    On a box lattice ``S`` acts along the lines: ``order=1`` takes a quarter of each neighbour,
-    ``order=2`` uses fourth differences and keeps linear functions.  On any other cloud it is a mean
-    over those within ``width`` spacings that a particle sees ([Sinkhorn1967]).  ``times`` says
-    how often it is applied: None is once on a box lattice, twice elsewhere.  ``beta`` holds what
-    ``S`` takes out; above ``kappa / mu`` it is refused.  Raises ``InputError``.
+    On a box lattice ``S`` acts along the lines, elsewhere among those within ``width`` spacings
+    that a particle sees.  ``order=2`` keeps linear functions, the boundary included, and hardly
+    touches long waves.  ``order=1`` keeps constants alone and takes more out ([Sinkhorn1967] on
+    clouds): it also softens the p-waves of a nearly incompressible solid.  ``times`` says how often
+    it is applied: None is once on a box lattice, twice elsewhere.  ``beta`` holds what ``S`` takes
+    out; above ``kappa / mu`` it is refused.  Raises ``InputError``.
     """
 
-    order: int = 1
+    order: int = 2
     width: float = 1.6
     times: int | None = None
     beta: float = 0.0

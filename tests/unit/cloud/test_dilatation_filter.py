@@ -13,6 +13,7 @@ from sphsolid.cloud import build_cloud
 from sphsolid.cloud.dilatation_filter import dilatation_filter
 from sphsolid.cloud.lattice.closures import difference
 from sphsolid.cloud.lattice.line_filter import LineFilter
+from sphsolid.cloud.linear_pair_filter import LinearPairFilter
 from sphsolid.cloud.pair_filter import PairFilter
 from sphsolid.compiled import set_threads, threads
 from sphsolid.geometry import Blocks, Box, TetBox
@@ -54,30 +55,32 @@ def matrix(filtering, size):
 def test_constants_symmetry_and_spectrum(name, order, width, times):
     cloud = cloud_of(name)
     filtering = dilatation_filter(cloud, order=order, width=width, times=times)
-    assert isinstance(filtering, BODIES[name][3])
+    kind = BODIES[name][3]
+    assert isinstance(filtering, LinearPairFilter if (kind, order) == (PairFilter, 2) else kind)
     S = matrix(filtering, cloud.size)
     np.testing.assert_allclose(S.sum(axis=1), 1.0, rtol=0.0, atol=1e-14)
     VS = cloud.V[:, None] * S
-    assert np.abs(VS - VS.T).max() < 1e-15 * VS.max()
+    assert np.abs(VS - VS.T).max() < 2e-15 * VS.max()
     assert np.abs(S - np.eye(cloud.size)).max() > 0.1
     root = np.sqrt(cloud.V)
     waves = np.linalg.eigvalsh(root[:, None] * S / root)
     assert waves[-1] < 1.0 + 1e-13
-    assert waves[0] > (-1e-13 if isinstance(filtering, LineFilter) or times is None else -0.15)
+    # A cone is not quite positive as a kernel; twice applied it is.
+    assert waves[0] > (-0.15 if isinstance(filtering, PairFilter) and times == 1 else -0.01)
     # A constant to the last bit, so that a body at rest stays at rest.
     constant, out = np.full(cloud.size, 1.0 / 3.0), np.empty(cloud.size)
     filtering.apply(constant, np.empty(cloud.size), out)
     assert out.tobytes() == constant.tobytes()
 
 
-@pytest.mark.parametrize("name", ["lattice", "thin lattice"])
-def test_fourth_differences_keep_linear_functions_along_long_enough_lines(name):
+@pytest.mark.parametrize("name", BODIES)
+def test_order_two_keeps_linear_functions_at_the_boundary_too(name):
     cloud = cloud_of(name)
     filtering = dilatation_filter(cloud, order=2, width=1.6, times=None)
     for axis in range(3):
         f, out = cloud.X[:, axis].copy(), np.empty(cloud.size)
         filtering.apply(f, np.empty(cloud.size), out)
-        np.testing.assert_allclose(out, f, rtol=0.0, atol=1e-15)
+        np.testing.assert_allclose(out, f, rtol=0.0, atol=1e-14)
 
 
 @pytest.mark.parametrize("times", [1, 2])
@@ -119,14 +122,15 @@ def test_volumes_that_are_no_product_are_filtered_over_pairs():
     assert isinstance(filtering, PairFilter)
 
 
-def test_nobody_is_filtered_with_those_behind_a_corner():
+@pytest.mark.parametrize("kind", [PairFilter, LinearPairFilter])
+def test_nobody_is_filtered_with_those_behind_a_corner(kind):
     """Two arms of a U, closer than the reach: there is no material between them."""
     arms = (((0.0, 0.0, 0.0), (1.0, 0.2, 0.2)), ((0.0, 0.3, 0.0), (1.0, 0.5, 0.2)))
     body = Blocks((*arms, ((0.0, 0.0, 0.0), (0.2, 0.5, 0.2))))
     cloud = build_cloud(
         body.mesh(0.1), smoothing=sph.WendlandC2(), h_over_dx=0.9, operator=sph.Literal()
     )
-    S = matrix(PairFilter(cloud, width=1.6, times=1), cloud.size)
+    S = matrix(kind(cloud, width=1.6, times=1), cloud.size)
     X = cloud.X
     lower = (X[:, 0] > 0.45) & (X[:, 1] < 0.25)
     upper = (X[:, 0] > 0.45) & (X[:, 1] > 0.25)
