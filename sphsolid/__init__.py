@@ -39,6 +39,7 @@ from sphsolid.scheme import (
     SelfAdjoint,
     SimplifiedHessian,
     StabilisedStrains,
+    SymplecticRKN4,
 )
 from sphsolid.simulation import Simulation
 
@@ -83,6 +84,7 @@ __all__ = [
     "Simulation",
     "StabilisedStrains",
     "SummationByParts",
+    "SymplecticRKN4",
     "T1",
     "WendlandC2",
     "__version__",
