@@ -46,6 +46,7 @@ from sphsolid.scheme import (
     SelfAdjoint,
     SimplifiedHessian,
     StabilisedStrains,
+    SymplecticRKN4,
 )
 from sphsolid.simulation import Simulation
 
@@ -97,6 +98,7 @@ __all__ = [
     "Simulation",
     "StabilisedStrains",
     "SummationByParts",
+    "SymplecticRKN4",
     "T1",
     "WendlandC2",
     "__version__",

@@ -24,6 +24,7 @@ from sphsolid.scheme.stabilisation import (
 )
 from sphsolid.scheme.stage import Stage
 from sphsolid.scheme.state import Field, State
+from sphsolid.scheme.symplectic_rkn4 import SymplecticRKN4
 from sphsolid.scheme.term import Term, TermOption
 from sphsolid.scheme.tvd_rk2 import TVDRK2
 
@@ -70,6 +71,7 @@ __all__ = [
     "State",
     "Stiffness",
     "Stepper",
+    "SymplecticRKN4",
     "Term",
     "TermOption",
 ]

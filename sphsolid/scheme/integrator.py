@@ -56,5 +56,6 @@ def check_integrator(integrator: object) -> None:
     """Raise ``InputError`` unless ``integrator`` keeps the protocol."""
     check_protocol(
         "integrator", integrator, ("name", "stages", "usual_cfl", "stepper"),
-        "use TVDRK2(), SSPRK3() or PositionVerlet(), or see docs/how_to_add/integrator.md",
+        "use PositionVerlet(), SymplecticRKN4(), SSPRK3() or TVDRK2(), or see "
+        "docs/how_to_add/integrator.md",
     )

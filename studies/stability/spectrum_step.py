@@ -23,10 +23,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from sphsolid import SSPRK3, SUPG, TVDRK2, OfStep, PositionVerlet
+from sphsolid import SSPRK3, SUPG, TVDRK2, OfStep, PositionVerlet, SymplecticRKN4
 from sphsolid.defaults import Integrator
 from sphsolid.errors import InputError
 from sphsolid.scheme.stabilisation import Stabilisation
+from sphsolid.scheme.symplectic_rkn4 import DRIFTS, KICKS
 
 Block = NDArray[Any]
 
@@ -75,9 +76,12 @@ def step_matrix(integrator: Integrator, layout: Layout, rates: Rates, cfl: float
     if isinstance(integrator, SSPRK3):
         return _three_stages(layout, rates, unit, cfl)
     if isinstance(integrator, PositionVerlet):
-        return _drift_kick_drift(layout, rates, unit, cfl)
+        return _composed(layout, rates, unit, cfl, (0.5, 0.5), (1.0,))
+    if isinstance(integrator, SymplecticRKN4):
+        return _composed(layout, rates, unit, cfl, DRIFTS, KICKS)
     raise InputError(
-        f"integrator {integrator!r} has no linear map; use TVDRK2(), SSPRK3() or PositionVerlet()"
+        f"integrator {integrator!r} has no linear map; use PositionVerlet(), SymplecticRKN4(), "
+        "SSPRK3() or TVDRK2()"
     )
 
 
@@ -88,16 +92,23 @@ def _two_stages(layout: Layout, rates: Rates, Y: Block, c: float) -> Block:
     return 0.5 * (Y + star + c * rates.of(star, ahead))
 
 
-def _drift_kick_drift(layout: Layout, rates: Rates, Y: Block, c: float) -> Block:
+def _composed(
+    layout: Layout,
+    rates: Rates,
+    Y: Block,
+    c: float,
+    drifts: tuple[float, ...],
+    kicks: tuple[float, ...],
+) -> Block:
     m = layout.moves
     # A velocity does work against no stress at rest, but it does change w and J.
     drift = np.zeros_like(rates.coarse)
     drift[..., :, m : 2 * m] = rates.coarse[..., :, m : 2 * m]
     drift[..., m : 2 * m, :] = 0.0
-    half = Y + 0.5 * c * (drift @ Y)
-    kick = rates.of(half, layout.position(half)) - drift @ half
-    end = half + c * kick
-    return end + 0.5 * c * (drift @ end)
+    for a, b in zip(drifts[:-1], kicks, strict=True):
+        Y = Y + a * c * (drift @ Y)
+        Y = Y + b * c * (rates.of(Y, layout.position(Y)) - drift @ Y)
+    return Y + drifts[-1] * c * (drift @ Y)
 
 
 def _three_stages(layout: Layout, rates: Rates, Y: Block, c: float) -> Block:

@@ -34,7 +34,9 @@ def test_the_step_of_the_kernels_is_that_of_sparse_matrices() -> None:
         np.testing.assert_allclose(mine, other, rtol=0, atol=1e-12 * np.max(np.abs(other)))
 
 
-@pytest.mark.parametrize("integrator", [sph.TVDRK2(), sph.SSPRK3(), sph.PositionVerlet()])
+@pytest.mark.parametrize(
+    "integrator", [sph.TVDRK2(), sph.SSPRK3(), sph.PositionVerlet(), sph.SymplecticRKN4()]
+)
 def test_a_step_allocates_no_field(integrator: object) -> None:
     """Nothing as long as the particles is made anew in the time loop."""
     sim = cube(16, integrator=integrator, stabilisation=sph.SUPG(weighting=sph.SelfAdjoint()))

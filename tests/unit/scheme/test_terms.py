@@ -50,7 +50,9 @@ def heated(**options: Any) -> sph.Simulation:
 
 
 @pytest.mark.parametrize(
-    "integrator", [sph.PositionVerlet(), sph.TVDRK2(), sph.SSPRK3()], ids=lambda i: i.name
+    "integrator",
+    [sph.PositionVerlet(), sph.SymplecticRKN4(), sph.TVDRK2(), sph.SSPRK3()],
+    ids=lambda i: i.name,
 )
 def test_every_integrator_advances_a_field_that_a_term_declares(integrator: Any) -> None:
     sim = heated(integrator=integrator)

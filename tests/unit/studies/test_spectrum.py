@@ -173,7 +173,9 @@ def test_the_map_is_the_derivative_of_the_stepper(body, changes, integrator):
     assert agrees(linear, linear.step_matrix(0.4) @ y, y, 0.4)
 
 
-@pytest.mark.parametrize("integrator", [sph.TVDRK2(), sph.SSPRK3(), sph.PositionVerlet()])
+@pytest.mark.parametrize(
+    "integrator", [sph.TVDRK2(), sph.SSPRK3(), sph.PositionVerlet(), sph.SymplecticRKN4()]
+)
 def test_the_map_about_a_stretched_state_is_the_derivative_of_the_stepper(integrator):
     m = material(0.45)
     across = contraction(m, 1.5)
