@@ -18,11 +18,18 @@ class Lines(NamedTuple):
 
     Rows ``begin <= i < end`` are ``sum_m a_m (f_(i+m) - f_(i-m))`` [1/m], ``a = (one, two,
     three)``; the others are ``sum_m row[i, m] f_(first[i] + m)`` [1/m].  ``weight (n,)`` is the
-    norm, so that ``dx weight`` are lengths of the line.  ``edge`` [1/m] is ``1 / (dx weight_0)``,
-    what the boundary term of the adjoint takes.  ``reach`` is half the width of the restraint's
-    difference: two for the fourth, one for the second, none where there are too few points.
+    norm, so that ``dx weight`` are lengths of the line, and ``inverse (n,)`` its reciprocal.
+    ``edge`` [1/m] is ``1 / (dx weight_0)``, what the boundary term of the adjoint takes.
+    ``column`` is the direction of space along the axis: where its derivatives stand in ``F``.
+
+    The restraint takes ``e_i = middle f_i + near (f_(i-1) + f_(i+1)) + far (f_(i-2) + f_(i+2))``,
+    the fourth difference with ``reach`` two; the second with ``reach`` one on a short axis.
+
+    ``smooth (n, 4)`` are the weights of a filter ``f_i + sum_m s_m (f_(i+m) - f_i)``, ``m = -2,
+    -1, 1, 2``.
     """
 
+    column: np.uint64
     n: np.uint64
     dx: float
     begin: np.uint64
@@ -33,8 +40,13 @@ class Lines(NamedTuple):
     first: NDArray[np.uint64]
     row: Array
     weight: Array
+    inverse: Array
     edge: float
     reach: np.uint64
+    middle: float
+    near: float
+    far: float
+    smooth: Array
 
 
 class Lines4(Lines):
@@ -56,11 +68,24 @@ class Grid(NamedTuple):
     z: Lines
 
 
-def lines(order: int, n: int, dx: float) -> Lines:
+class Planes(NamedTuple):
+    """What depends on the place in a plane of the two fast axes: a number for each particle of it.
+
+    ``inverse (3, ny nz)`` are ones and the ``inverse`` of both axes; ``smooth_y``, ``smooth_z (4,
+    ny nz)`` their filters, with ``smoothing`` neighbours on each side, none without a filter.
+    """
+
+    smoothing: np.uint64
+    inverse: Array
+    smooth_y: Array
+    smooth_z: Array
+
+
+def lines(order: int, n: int, dx: float, *, column: int, smoothing: int) -> Lines:
     """The difference of ``order`` on ``n`` points, of a lower one where they are too few.
 
     The central coefficients are those of ``order`` whatever the rows are, so that all axes of a
-    body have one kernel.
+    body have one kernel.  ``smoothing`` is 0 for no filter, else the ``q`` of ``filter_matrix``.
     """
     actual = order_of(order, n)
     h, D = difference(actual, n).arrays()
@@ -70,14 +95,16 @@ def lines(order: int, n: int, dx: float) -> Lines:
     outer = [i for i in range(n) if not begin <= i < end]
     spans = {i: (int(np.flatnonzero(D[i]).min()), int(np.flatnonzero(D[i]).max())) for i in outer}
     width = max(last - first + 1 for first, last in spans.values())
-    first, row = np.zeros(n, dtype=np.uint64), np.zeros((n, width))
+    # Kernels take the coefficients of a row two at a time.
+    first, row = np.zeros(n, dtype=np.uint64), np.zeros((n, width + width % 2))
     for i, (least, _) in spans.items():
         start = min(least, n - width)
         first[i] = start
-        row[i] = D[i, start : start + width] / dx
+        row[i, :width] = D[i, start : start + width] / dx
     reach = 2 if n >= 5 else 1 if n >= 3 else 0
     a = [float(c) / dx for c in central(order)] + [0.0, 0.0]
     return _OF_ORDER[order](
+        column=np.uint64(column),
         n=np.uint64(n),
         dx=float(dx),
         begin=np.uint64(begin),
@@ -88,8 +115,48 @@ def lines(order: int, n: int, dx: float) -> Lines:
         first=first,
         row=row,
         weight=h,
+        inverse=1.0 / h,
         edge=1.0 / (dx * h[0]),
         reach=np.uint64(reach),
+        middle=(0.0, 2.0, 6.0)[reach],
+        near=(0.0, -1.0, -4.0)[reach],
+        far=(0.0, 0.0, 1.0)[reach],
+        smooth=_neighbours(filter_matrix(smoothing, h)),
+    )
+
+
+def filter_matrix(q: int, weight: Array) -> Array:
+    """``S = I - 4^-q H^-1 D_q^T D_q  (n, n)``, ``D_q`` the ``q``-th difference, ``H = weight``.
+
+    ``H S`` is symmetric; ``S`` keeps constants for ``q = 1`` (1/4, 1/2, 1/4 inside) and linear
+    functions for ``q = 2``, at the ends too; it takes what alternates from point to point away.
+    The identity where ``q`` is zero or there are not more than ``q`` points.
+    """
+    n = len(weight)
+    if q == 0 or n <= q:
+        return np.eye(n)
+    D = np.diff(np.eye(n), n=q, axis=0)
+    return np.asarray(np.eye(n) - 0.25**q * (D.T @ D) / weight[:, None])
+
+
+def _neighbours(matrix: Array) -> Array:
+    n = len(matrix)
+    weights = np.zeros((n, 4))
+    for column, m in enumerate((-2, -1, 1, 2)):
+        inside = [i for i in range(n) if 0 <= i + m < n]
+        weights[inside, column] = matrix[inside, [i + m for i in inside]]
+    return weights
+
+
+def planes(grid: Grid, smoothing: int) -> Planes:
+    """The tables of the planes of a grid whose lines have this ``smoothing``."""
+    ny, nz = int(grid.y.n), int(grid.z.n)
+    ones = np.ones(ny * nz)
+    return Planes(
+        smoothing=np.uint64(smoothing),
+        inverse=np.array([ones, np.repeat(grid.y.inverse, nz), np.tile(grid.z.inverse, ny)]),
+        smooth_y=np.ascontiguousarray(np.repeat(grid.y.smooth, nz, axis=0).T),
+        smooth_z=np.ascontiguousarray(np.tile(grid.z.smooth, (ny, 1)).T),
     )
 
 

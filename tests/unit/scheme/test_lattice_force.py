@@ -2,134 +2,202 @@
 
 from __future__ import annotations
 
+from typing import Any, NamedTuple
+
 import numpy as np
 import pytest
 
-import sphsolid as sph
 from sphsolid.cloud.lattice.closures import difference
-from sphsolid.cloud.lattice.lines import Grid, lines, norm, order_of
-from sphsolid.continuum import law
+from sphsolid.cloud.lattice.lines import filter_matrix
+from sphsolid.continuum.law import QUADRATIC, register_law
 from sphsolid.scheme import lattice_force as lattice
+from sphsolid.scheme.lattice_motion import kick_and_drift, kick_and_half_drift
+from tests.oracles.lattice_body import NONE, SOLID, LatticeBody
 
-SOLID = sph.NeoHookean.from_young(young_modulus=1.7e7, poisson_ratio=0.45, density=1100.0)
-NONE = lattice.RestraintParts(0.0, 0.0)
-SPRING = lattice.RestraintParts(0.05 * SOLID.mu, 0.0)
-DASHPOT = lattice.RestraintParts(0.0, 0.01 * 1100.0 * 50.0)
-SIDES = (1.0, 1.2, 1.5)
+SPRING = lattice.RestraintParts(0.05 * SOLID.mu, 0.02 * SOLID.mu, 0.0)
+DASHPOT = lattice.RestraintParts(0.0, 0.0, 0.01 * 1100.0 * 50.0)
+ALL = lattice.RestraintParts(0.05 * SOLID.mu, 0.02 * SOLID.mu, 0.01 * 1100.0 * 50.0)
+BETA = 0.3 * SOLID.mu
 #: Long axes, and short ones whose rows are dense or whose restraint is the second difference.
-SHAPES = [(4, (9, 10, 12)), (4, (4, 3, 7)), (4, (5, 2, 70))]
-PADDING = 64
+BODIES = {
+    "long": LatticeBody(4, (9, 10, 12)),
+    "short, no filter": LatticeBody(4, (4, 3, 7), smoothing=0),
+    "short": LatticeBody(4, (4, 3, 7), smoothing=2, beta=BETA),
+    "beam": LatticeBody(4, (5, 2, 110), smoothing=2, workers=3),
+    "beta": LatticeBody(4, (6, 9, 13), smoothing=1, beta=BETA),
+    "order two": LatticeBody(2, (5, 6, 9), smoothing=2),
+    "order six": LatticeBody(6, (13, 4, 14), smoothing=1),
+}
 
 
-class Body:
-    """A lattice with fields that are rough on the scale of its spacing."""
-
-    def __init__(self, order, counts, workers=2):
-        self.order, self.counts = order, counts
-        self.dx = [side / (n - 1) for side, n in zip(SIDES, counts, strict=True)]
-        self.grid = Grid(*(lines(order, n, dx) for n, dx in zip(counts, self.dx, strict=True)))
-        self.V = norm(self.grid)
-        rng = np.random.default_rng(3)
-        axes = [np.linspace(0.0, side, n) for side, n in zip(SIDES, counts, strict=True)]
-        X = np.stack(np.meshgrid(*axes, indexing="ij")).reshape(3, -1)
-        self.size = X.shape[1]
-        rough = 0.03 * min(self.dx) * rng.normal(size=X.shape)
-        self.x = self.field(X + 0.05 * np.sin(2.0 * X[::-1]) + rough)
-        self.p = self.field(1100.0 * rng.normal(size=X.shape))
-        self.scratch = lattice.make_scratch(self.grid, workers)
-
-    def field(self, values):
-        return np.concatenate([values, np.zeros((len(values), PADDING))], axis=1)
-
-    def force(self, parts, x=None, p=None):
-        x, p = self.x if x is None else x, self.p if p is None else p
-        J, pressure, P, R, f = (np.zeros((rows, x.shape[1])) for rows in (1, 1, 9, 9, 3))
-        solid = law.in_kernels(SOLID)
-        lattice.dilatation(*self.grid, x, J, self.scratch)
-        lattice.smoothed_pressure(*self.grid, solid, J, pressure, self.scratch)
-        lattice.stress(*self.grid, solid, parts, x, p, pressure, P, R, self.scratch)
-        lattice.force(*self.grid, P, R, f, self.scratch)
-        return f[:, : self.size]
-
-    def energy(self, x, parts):
-        """Written with whole matrices, independently of the kernels."""
-        fields = x[:, : self.size].reshape(3, *self.counts)
-        gradient, J_filters, springs = [], [], 0.0
-        for axis, (n, dx) in enumerate(zip(self.counts, self.dx, strict=True)):
-            h, D = difference(order_of(self.order, n), n).arrays()
-            gradient.append(np.moveaxis(np.tensordot(D / dx, fields, (1, axis + 1)), 0, axis + 1))
-            D1 = np.diff(np.eye(n), axis=0)
-            J_filters.append(np.eye(n) - 0.25 * (D1.T @ D1) / h[:, None])
-            q = 4 if n >= 5 else 2
-            if n > q:
-                e = np.diff(fields, n=q, axis=axis + 1)
-                middle = [slice(q // 2, n - q // 2) if d == axis else slice(None) for d in range(3)]
-                others = self.V.reshape(self.counts) / np.expand_dims(
-                    h, tuple({0, 1, 2} - {axis})
-                )
-                spread = others[tuple(middle)] * np.sum(e * e, axis=0) ** 2 / dx**4
-                springs += 0.25 * parts.stiffness * float(np.sum(spread))
-        F = np.stack(gradient, axis=1)
-        J = np.linalg.det(np.moveaxis(F, (0, 1), (-2, -1)))
-        S = J
-        for axis, matrix in enumerate(J_filters):
-            S = np.moveaxis(np.tensordot(matrix, S, (1, axis)), 0, axis)
-        W = 0.5 * SOLID.mu * J ** (-2.0 / 3.0) * np.sum(F * F, axis=(0, 1))
-        W += 0.5 * SOLID.kappa * (S - 1.0) ** 2
-        return float(np.sum(self.V * W.ravel())) + springs
-
-    def power(self, f, p=None):
-        return float(np.sum(self.V * f * (self.p if p is None else p)[:, : self.size])) / 1100.0
-
-
-@pytest.fixture(scope="module", params=SHAPES, ids=[str(counts) for _, counts in SHAPES])
+@pytest.fixture(scope="module", params=BODIES)
 def body(request):
-    return Body(*request.param)
+    return BODIES[request.param]
 
 
 @pytest.mark.parametrize("parts", [NONE, SPRING], ids=["solid", "restrained"])
 def test_the_force_is_that_of_the_energy(body, parts):
     f = body.force(parts)
-    direction = body.field(np.random.default_rng(1).normal(size=(3, body.size)))
+    direction = np.random.default_rng(1).normal(size=body.x.shape)
     step = 1e-3 * min(body.dx)
     energies = [body.energy(body.x + s * step * direction, parts) for s in (-2, -1, 1, 2)]
     slope = np.dot(energies, [1.0, -8.0, 8.0, -1.0]) / (12.0 * step)
     size = np.linalg.norm(body.V * f) * np.linalg.norm(direction)
-    assert abs(np.sum(body.V * f * direction[:, : body.size]) + slope) < 1e-8 * size
+    assert abs(np.sum(body.V * f * direction) + slope) < 1e-8 * size
 
 
 @pytest.mark.parametrize("parts", [NONE, SPRING, DASHPOT], ids=["solid", "spring", "dashpot"])
 def test_neither_resultant_nor_moment(body, parts):
     f = body.force(parts) - (body.force(NONE) if parts is not NONE else 0.0)
-    x = body.x[:, : body.size]
     scale = np.sum(body.V * np.linalg.norm(f, axis=0))
-    assert np.abs(np.sum(body.V * f, axis=1)).max() < 1e-13 * scale
-    assert np.abs(np.sum(body.V * np.cross(x, f, axis=0), axis=1)).max() < 1e-13 * scale
+    moments = np.cross(body.x, f, axis=0)
+    assert np.abs(np.sum(body.V * f, axis=(1, 2, 3))).max() < 1e-13 * scale
+    assert np.abs(np.sum(body.V * moments, axis=(1, 2, 3))).max() < 1e-13 * scale
 
 
 def test_the_dashpot_is_symmetric_takes_energy_and_leaves_rigid_motions_alone(body):
     still = body.force(NONE)
     f = body.force(DASHPOT) - still
-    other = body.field(1100.0 * np.random.default_rng(9).normal(size=(3, body.size)))
+    other = 1100.0 * np.random.default_rng(9).normal(size=body.p.shape)
     g = body.force(DASHPOT, p=other) - still
     assert body.power(f, other) == pytest.approx(body.power(g), rel=1e-10)
     assert body.power(f) < 0.0
-    shift = np.array([[3.0], [1.0], [-2.0]])
-    spin = np.cross([1.0, -2.0, 0.5], body.x.T).T + shift
-    rigid = body.force(DASHPOT, p=body.field(1100.0 * spin[:, : body.size])) - still
+    shift = np.array([3.0, 1.0, -2.0]).reshape(3, 1, 1, 1)
+    spin = np.cross([1.0, -2.0, 0.5], np.moveaxis(body.x, 0, -1))
+    rigid = body.force(DASHPOT, p=1100.0 * (np.moveaxis(spin, -1, 0) + shift)) - still
     assert np.abs(rigid).max() < 1e-11 * np.abs(f).max()
 
 
-def test_the_same_bits_however_many_share_the_work():
-    one, three = (Body(4, (9, 10, 12), workers).force(SPRING) for workers in (1, 3))
+def test_parts_add_up(body):
+    still = body.force(NONE)
+    apart = body.force(SPRING) + body.force(DASHPOT) - still
+    assert np.abs(body.force(ALL) - apart).max() < 1e-12 * np.abs(apart).max()
+
+
+def test_the_smallest_stretch_is_that_of_the_gradient(body):
+    body.force(NONE)
+    F = np.moveaxis(body.gradient(body.x), (0, 1), (-2, -1))
+    least = np.linalg.svd(F, compute_uv=False)[..., -1]
+    assert np.abs(body.stretch - least).max() < 1e-8
+
+
+def test_what_is_no_state_is_marked():
+    body = BODIES["long"]
+    mirrored, broken = body.x * np.array([-1.0, 1.0, 1.0]).reshape(3, 1, 1, 1), body.x.copy()
+    body.force(NONE, x=mirrored)
+    assert np.all(body.stretch == -1.0)
+    broken[1, 4, 5, 6] = np.nan
+    body.force(NONE, x=broken)
+    assert body.stretch[5, 5, 6] == -2.0
+    assert body.stretch[0, 0, 0] > 0.0
+
+
+@pytest.mark.parametrize("smoothing", [0, 1, 2])
+def test_the_same_bits_however_many_share_the_work(smoothing):
+    counts, beta = (9, 10, 12), BETA if smoothing else 0.0
+    one, three = (
+        LatticeBody(4, counts, smoothing=smoothing, beta=beta, workers=workers).force(ALL)
+        for workers in (1, 3)
+    )
     assert one.tobytes() == three.tobytes()
 
 
 def test_an_affine_motion_has_a_force_at_the_boundary_alone():
-    body = Body(4, (9, 10, 12))
+    body = BODIES["long"]
     A = np.array([[1.2, 0.1, 0.0], [-0.1, 0.9, 0.2], [0.0, 0.1, 1.1]])
-    axes = [np.linspace(0.0, side, n) for side, n in zip(SIDES, body.counts, strict=True)]
-    X = np.stack(np.meshgrid(*axes, indexing="ij")).reshape(3, -1)
-    f = body.force(SPRING, x=body.field(A @ X)).reshape(3, *body.counts)
+    f = body.force(SPRING, x=np.tensordot(A, body.X, 1))
     inside = (slice(None), slice(4, -4), slice(4, -4), slice(4, -4))
     assert np.abs(f[inside]).max() < 1e-11 * np.abs(f).max()
+
+
+@pytest.mark.parametrize("smoothing", [0, 1, 2])
+def test_at_rest_there_is_no_pressure_but_round_off(smoothing):
+    body = LatticeBody(4, (9, 10, 12), smoothing=smoothing, beta=BETA if smoothing else 0.0)
+    f = body.force(ALL, x=body.X, p=0.0 * body.p)
+    assert np.abs(f).max() < 1e-12 * SOLID.kappa / min(body.dx)
+
+
+@pytest.mark.parametrize("n", [2, 3, 4, 9, 12])
+@pytest.mark.parametrize("q", [1, 2])
+def test_a_filter_is_symmetric_keeps_polynomials_and_takes_the_roughest(q, n):
+    h, _ = difference(4 if n >= 4 else 2, n).arrays()
+    S = filter_matrix(q, h)
+    HS = h[:, None] * S
+    k = np.arange(n)
+    assert np.abs(HS - HS.T).max() < 1e-15
+    assert np.abs(S @ k ** (q - 1) - k ** (q - 1)).max() < 1e-13
+    values = np.linalg.eigvals(S)
+    assert np.abs(values.imag).max() < 1e-12
+    assert values.real.max() < 1.0 + 1e-12
+    if n == 12:
+        rough = (-1.0) ** k
+        assert np.abs((S @ rough)[4:-4]).max() < 1e-15
+
+
+class Fibre(NamedTuple):
+    """``W = (mu/2) F:F + (stiff/2) |F E_1|^2 + (kappa/2) (J - 1)^2``: stiff along one direction."""
+
+    mu: float
+    kappa: float
+    density: float
+    stiff: float
+    depends_on_H: bool
+
+
+def _energy(m: Any, F: Any, H: Any, J: Any) -> Any:
+    along = F[0] * F[0] + F[3] * F[3] + F[6] * F[6]
+    across = F[1] * F[1] + F[4] * F[4] + F[7] * F[7] + F[2] * F[2] + F[5] * F[5] + F[8] * F[8]
+    volume = 0.5 * m.kappa * (J - 1.0) * (J - 1.0)
+    return 0.5 * (m.mu + m.stiff) * along + 0.5 * m.mu * across + volume
+
+
+def _conjugate(m: Any, F: Any, H: Any, J: Any) -> Any:
+    a, b = m.mu + m.stiff, m.mu
+    S = (a * F[0], b * F[1], b * F[2], a * F[3], b * F[4], b * F[5], a * F[6], b * F[7], b * F[8])
+    return S, (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0), m.kappa * (J - 1.0)
+
+
+def _piola(m: Any, F: Any, H: Any, J: Any) -> Any:
+    a, b, p = m.mu + m.stiff, m.mu, m.kappa * (J - 1.0)
+    return (
+        a * F[0] + p * H[0], b * F[1] + p * H[1], b * F[2] + p * H[2],
+        a * F[3] + p * H[3], b * F[4] + p * H[4], b * F[5] + p * H[5],
+        a * F[6] + p * H[6], b * F[7] + p * H[7], b * F[8] + p * H[8],
+    )  # fmt: skip
+
+
+def _hessian(m: Any, F: Any, H: Any, J: Any, dF: Any, dH: Any, dJ: Any) -> Any:
+    S, zero, _ = _conjugate(m, dF, dH, J)
+    return S, zero, m.kappa * dJ
+
+
+register_law(
+    Fibre,
+    energy=_energy,
+    conjugate_stresses=_conjugate,
+    first_piola=_piola,
+    hessian_action=_hessian,
+    volumetric=QUADRATIC,
+)
+
+
+def test_whatever_axis_is_the_slow_one():
+    solid = Fibre(SOLID.mu, SOLID.kappa, 1100.0, 5.0 * SOLID.mu, False)
+    first, *others = (LatticeBody(4, (8, 9, 10), slow=slow, solid=solid) for slow in range(3))
+    f = first.force(ALL)
+    for other in others:
+        assert np.abs(other.force(ALL) - f).max() < 1e-11 * np.abs(f).max()
+        assert np.abs(other.stretch - first.stretch).max() < 1e-9
+
+
+def test_kick_and_drift_have_the_bits_of_separate_passes():
+    rng = np.random.default_rng(0)
+    f, p, x = rng.normal(size=(3, 100))
+    kicked = p + 0.3 * f
+    half = x + 0.1 * kicked
+    p_1, x_1, p_2, x_2 = p.copy(), x.copy(), p.copy(), x.copy()
+    kick_and_drift(0.3, f, 0.1, 0.2, p_1, x_1)
+    kick_and_half_drift(0.3, f, 0.1, p_2, x_2)
+    assert p_1.tobytes() == p_2.tobytes() == kicked.tobytes()
+    assert x_2.tobytes() == half.tobytes()
+    assert x_1.tobytes() == (half + 0.2 * kicked).tobytes()
