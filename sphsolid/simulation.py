@@ -39,6 +39,7 @@ from sphsolid.scheme.initial_state import initial_state
 from sphsolid.scheme.initial_strain import Compatible, InitialStrain
 from sphsolid.scheme.integrator import Integrator
 from sphsolid.scheme.intrinsic_time import Units
+from sphsolid.scheme.lattice_form import LatticeRightHandSide, has_lattice_form
 from sphsolid.scheme.pair_sums import PairSums
 from sphsolid.scheme.projection import AngularMomentumTreatment
 from sphsolid.scheme.right_hand_side import RightHandSide
@@ -135,7 +136,8 @@ class Simulation(BaseSimulation):
         names = [field.name for field in fields]
         require(len(names) == len({*names}), f"two fields have one name: {', '.join(names)}")
         terms = terms_of(options, self._set_up)
-        return RightHandSide(self._set_up, terms, fields)
+        lean = has_lattice_form(self._set_up, terms, self.integrator)
+        return (LatticeRightHandSide if lean else RightHandSide)(self._set_up, terms, fields)
 
     def _chosen_strain(self, asked: InitialStrain | None) -> InitialStrain:
         stated, adjoint = self.scene.states_deformation, self.cloud.is_adjoint

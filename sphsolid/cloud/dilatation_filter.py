@@ -30,18 +30,19 @@ class DilatationFilter(Protocol):
 
 
 def dilatation_filter(
-    cloud: Cloud, *, order: int, width: float, times: int | None
+    cloud: Cloud, *, order: int, keeps_linear: bool, width: float
 ) -> DilatationFilter:
-    """Along the lines of a box lattice (once), over pairs elsewhere (twice).
+    """Along the lines of a box lattice, over pairs elsewhere.
 
-    ``order=2`` keeps linear functions, ``order=1`` only constants.  ``width`` is the reach over
-    pairs in spacings; ``times`` says how often it is applied where it is not None.  Lines need
-    volumes that are products of the axes' weights.
+    ``order`` is half of the order of what it does to a smooth function inside.  ``keeps_linear``:
+    it leaves linear functions as they are at the boundary too.  ``width`` is the reach over pairs
+    in spacings.  Lines need volumes that are products of the axes' weights.
     """
     box = box_of(cloud.mesh)
     if isinstance(box, BoxLattice):
         weights = axis_weights(cloud.V, box)
         if weights is not None:
-            return LineFilter(box, weights, order=order, times=1 if times is None else times)
-    kind = PairFilter if order == 1 else LinearPairFilter
-    return kind(cloud, width=width, times=2 if times is None else times)
+            return LineFilter(box, weights, order=order, keeps_linear=keeps_linear)
+    if keeps_linear:
+        return LinearPairFilter(cloud, width=width)
+    return PairFilter(cloud, width=width, order=order)

@@ -48,10 +48,10 @@ def _take(indptr, indices, weight, rest, f, out):  # type: ignore[no-untyped-def
 
 
 class LinearPairFilter:
-    """``S`` of ``cloud`` with a reach of ``width`` spacings, applied ``times`` times."""
+    """``S`` of ``cloud`` with a reach of ``width`` spacings."""
 
-    def __init__(self, cloud: Cloud, *, width: float, times: int) -> None:
-        self.width, self.times = width, times
+    def __init__(self, cloud: Cloud, *, width: float) -> None:
+        self.width = width
         L = _linear_fit(cloud, width)
         V, size = cloud.V, cloud.size
         R = csr_array(diags_array(np.ones(size)) - L)
@@ -70,20 +70,14 @@ class LinearPairFilter:
         return len(self._fit[1]) / (len(self._fit[0]) - 1)
 
     def apply(self, f: Array, work: Array, out: Array) -> None:
-        """``out = S f``, all ``(N,)``; ``work`` is overwritten, ``out`` may be ``f``."""
-        for _ in range(self.times):
-            _rest(*self._fit, f, work)
-            _take(*self._back, work, f, out)
-            f = out
+        """``out = S f``, all ``(N,)``; ``work`` is overwritten."""
+        _rest(*self._fit, f, work)
+        _take(*self._back, work, f, out)
 
     @property
     def description(self) -> str:
         """Which filter it is."""
-        times = {1: "once", 2: "twice"}.get(self.times, f"{self.times} times")
-        return (
-            f"linear fits {self.width:g} spacings wide, {self.mean_neighbours:.1f} neighbours, "
-            f"{times}"
-        )
+        return f"linear fits {self.width:g} spacings wide, {self.mean_neighbours:.1f} neighbours"
 
 
 def _rows(matrix: csr_array) -> tuple[NDArray[np.uint64], NDArray[np.uint32], Array]:

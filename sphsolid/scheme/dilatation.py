@@ -30,36 +30,35 @@ class OwnDilatation(TermOption):
 class FilteredDilatation(TermOption):
     """``U((S J)_a)``: the volumetric energy sees a smoothed Jacobian, as a potential.
 
-        E = sum V [W(F, H, J) - U(J) + U(S J) + beta mu (J - S J)^2 / 2]
+        E = sum V [W(F, H, J) - U(J) + U(S J) + k (J - S J)^2 / 2]
 
     ``S`` keeps constants and is symmetric in the volumes; the pressure that acts is
-    ``p~ = S U'(S J) + beta mu (I - S)^2 J`` [Pa].  A particle's own ``J`` may wander from its
+    ``p~ = S U'(S J) + k (I - S)^2 J`` [Pa].  A particle's own ``J`` may wander from its
     neighbours', ``S J`` carries the pressure (see ``filtered_dilatation``).
 
-    On a box lattice ``S`` acts along the lines, elsewhere among those within ``width`` spacings
-    that a particle sees.  ``order=2`` keeps linear functions, the boundary included, and hardly
-    touches long waves.  ``order=1`` keeps constants alone and takes more out ([Sinkhorn1967] on
-    clouds): it also softens the p-waves of a nearly incompressible solid.  ``times`` says how often
-    it is applied: None is once on a box lattice, twice elsewhere.  ``beta`` holds what ``S`` takes
-    out; above ``kappa / mu`` it is refused.  Raises ``InputError``.
+    On a box lattice ``S`` acts along the lines, on any other cloud it is a mean over those within
+    ``width`` spacings that a particle sees.  ``order`` 1 takes a quarter of each neighbour on a
+    line; 2, of fourth order inside, leaves long waves of pressure as they are.  ``keeps_linear``:
+    so it does with linear functions at the boundary, which makes bending stiffer.  What ``S``
+    takes out is held by ``k = beta mu^2 / kappa``, or ``kappa`` where that is less: nearly
+    incompressible solids lock if it is held, and compressible ones bend too easily if it is not.
+    Raises ``InputError``.
     """
 
     order: int = 2
+    keeps_linear: bool = False
     width: float = 1.6
-    times: int | None = None
-    beta: float = 0.0
+    beta: float = 2.0
 
     def __post_init__(self) -> None:
         if isinstance(self.order, bool) or self.order not in (1, 2):
             raise InputError(f"FilteredDilatation: order = {self.order!r} must be 1 or 2")
-        if self.times is not None and (
-            isinstance(self.times, bool) or self.times not in range(1, MOST_TIMES + 1)
-        ):
+        if not isinstance(self.keeps_linear, bool) or (self.keeps_linear and self.order == 1):
             raise InputError(
-                f"FilteredDilatation: times = {self.times!r} must be a whole number from 1 to "
-                f"{MOST_TIMES}, or None for the usual one"
+                f"FilteredDilatation: keeps_linear = {self.keeps_linear!r} must be True or False, "
+                "and of order 1 no filter does"
             )
-        for name, unit in (("width", "spacings"), ("beta", "shear moduli")):
+        for name, unit in (("width", "spacings"), ("beta", "mu^2/kappa")):
             value = number(f"FilteredDilatation: {name}", getattr(self, name), unit)
             object.__setattr__(self, name, value)
         require(
@@ -81,8 +80,8 @@ class FilteredDilatation(TermOption):
         return (FilteredDilatationTerm(self, set_up),)
 
 
-#: Most that a filter is applied, and its widest reach in spacings: beyond, nothing is local.
-MOST_TIMES, WIDEST = 8, 4.0
+#: Widest reach in spacings: beyond, nothing is local.
+WIDEST = 4.0
 #: What says which Jacobian counts: one of these, or a user's own term option.
 Dilatation = TermOption
 

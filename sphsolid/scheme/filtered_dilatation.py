@@ -1,10 +1,10 @@
 """The volumetric energy of a filtered Jacobian, as a term of one body.
 
-    E = sum V [W(F, H, J) - U(J) + U(S J) + beta mu (J - S J)^2 / 2]
+    E = sum V [W(F, H, J) - U(J) + U(S J) + k (J - S J)^2 / 2]
 
 with ``S`` symmetric in the volumes and ``S 1 = 1``, so that the pressure that acts is
 
-    p~ = S U'(S J) + beta mu (I - S)^2 J,        P = dW/dF + [p~ - U'(J)] H.
+    p~ = S U'(S J) + k (I - S)^2 J,        P = dW/dF + [p~ - U'(J)] H.
 
 Of a uniform change of volume ``p~ = U'(J)``.  What ``S`` leaves of ``J`` costs no volumetric
 energy, so nothing locks.  **What J means then.**  ``J`` of one particle may wander from that of
@@ -23,7 +23,6 @@ from sphsolid.cloud.dilatation_filter import dilatation_filter
 from sphsolid.continuum import law
 from sphsolid.continuum.tensor import cofactor, determinant, join, scale, split
 from sphsolid.continuum.wave_speed import moduli_at_rest
-from sphsolid.errors import require
 from sphsolid.fields import LANES, components, scalar_field, tensor_field
 from sphsolid.scheme import volumetric_stress
 from sphsolid.scheme.intrinsic_time import Units
@@ -53,16 +52,13 @@ class FilteredDilatationTerm(Term):
         self.options = options
         self._set_up, self._material = set_up, set_up.material
         mu, kappa = moduli_at_rest(self._material)
-        self._stiffness = options.beta * mu
-        require(
-            self._stiffness <= kappa,
-            f"FilteredDilatation: beta = {options.beta:g} holds what the filter takes out by more "
-            f"than the bulk modulus; here it may be {kappa / mu:.4g} at most",
-        )
+        #: What holds the rest [Pa]: more than the bulk modulus would be stiffer than no filter.
+        self.stiffness = min(options.beta * mu * mu / kappa, kappa)
         self._filter = set_up.kept(
-            ("dilatation filter", options.order, options.width, options.times),
+            ("dilatation filter", options.order, options.keeps_linear, options.width),
             lambda: dilatation_filter(
-                set_up.cloud, order=options.order, width=options.width, times=options.times
+                set_up.cloud, order=options.order, keeps_linear=options.keeps_linear,
+                width=options.width,
             ),
         )
         size = set_up.operator.size
@@ -86,7 +82,7 @@ class FilteredDilatationTerm(Term):
             volumetric_stress.jacobian(F, self._tiles, J, self._scratch)
         own = J[0, : len(self.excess)]
         self._filter.apply(own, self._work, self._smooth)
-        of_filtered = (self._material, self._stiffness, own, self._smooth)
+        of_filtered = (self._material, self.stiffness, own, self._smooth)
         volumetric_stress.conjugate(*of_filtered, self._pressure)
         self._filter.apply(self._pressure, self._work, self.excess)
         volumetric_stress.excess(*of_filtered, self.excess)
@@ -136,24 +132,24 @@ class FilteredDilatationTerm(Term):
         return state.J if len(state.J) else np.asarray(determinant(split(state.F)))
 
     def stored_energy(self, state: State) -> float:
-        """``sum V [U(S J) - U(J) + beta mu (J - S J)^2 / 2]`` [J]."""
+        """``sum V [U(S J) - U(J) + k (J - S J)^2 / 2]`` [J]."""
         J = self._jacobian(state)
         S_J = self._filtered(J)
         density = law.volumetric_energy(self._material, S_J)
         density = density - law.volumetric_energy(self._material, J)
-        density = density + 0.5 * self._stiffness * (J - S_J) ** 2
+        density = density + 0.5 * self.stiffness * (J - S_J) ** 2
         return float(np.sum(self._set_up.cloud.V * density))
 
     def add_constitutive(self, state: State, P: Array) -> None:
         """``P += [p~ - U'(J)] H``."""
         J = self._jacobian(state)
         S_J = self._filtered(J)
-        rest = self._stiffness * (J - S_J)
+        rest = self.stiffness * (J - S_J)
         p = self._filtered(law.volumetric_pressure(self._material, S_J) - rest) + rest
         H = split(state.H) if len(state.H) else cofactor(split(state.F))
         P += join(scale(p - law.volumetric_pressure(self._material, J), H))
 
     def description(self, units: Units) -> str:
         """The filter, and ``beta`` where there is one."""
-        beta = f", beta {self.options.beta:g}" if self.options.beta else ""
+        beta = f", the rest held by {self.stiffness:.3g} Pa" if self.stiffness else ""
         return f"pressure of a filtered J ({self._filter.description}{beta})"

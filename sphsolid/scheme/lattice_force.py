@@ -13,9 +13,9 @@ for all particles; the rest is used up while it is in a core's cache.  Vectors a
 component-major rows ``(components, .)`` (see ``fields``).  Threads take planes of the slowest axis,
 and every sum is over one line in order, so the bits do not depend on their number.
 
-The pressure is that of the energy ``U(S J) + beta mu (J - S J)^2 / 2``: filtered once more,
+The pressure is that of the energy ``U(S J) + k (J - S J)^2 / 2``: filtered once more,
 
-    S U'(S J) + beta mu (I - S) (J - S J).
+    S U'(S J) + k (I - S) (J - S J).
 """
 
 from __future__ import annotations
@@ -31,7 +31,6 @@ from sphsolid.continuum.tensor import axpy, cofactor, determinant
 from sphsolid.fields import leading
 from sphsolid.scheme.lattice_filter import smooth_across, smooth_in_plane
 from sphsolid.scheme.lattice_restraint import (
-    RestraintParts,
     restrain,
     subtract_across,
     subtract_in_plane,
@@ -48,8 +47,6 @@ from sphsolid.scheme.lattice_sums import (
     tensor_at,
     tensor_to,
 )
-
-__all__ = ["RestraintParts", "Work", "forces", "make_work"]
 
 #: Scratch rows of a tile; two planes with two lines around each follow them.
 _F, _L, _P, _E, _ROW = 0, 9 * STRIDE, 18 * STRIDE, 27 * STRIDE, 33 * STRIDE
@@ -123,7 +120,7 @@ def _dilatation(t, along_x, along_y, along_z, tables, x, work, limit):  # type: 
 
 
 @inlined
-def _pressure(t, along_x, along_y, along_z, tables, material, beta_mu, work):  # type: ignore[no-untyped-def]
+def _pressure(t, along_x, along_y, along_z, tables, material, rest, work):  # type: ignore[no-untyped-def]
     S, J, difference = work.scratch, work.J, work.difference
     ny, nz = along_y.n, along_z.n
     plane = ny * nz
@@ -138,7 +135,7 @@ def _pressure(t, along_x, along_y, along_z, tables, material, beta_mu, work):  #
             for k in range(plane):
                 difference[at + k] -= S[one + k]
                 S[one + k] = law.volumetric_pressure(material, S[one + k]) - (
-                    beta_mu * difference[at + k]
+                    rest * difference[at + k]
                 )
         else:
             for k in range(plane):
@@ -147,7 +144,7 @@ def _pressure(t, along_x, along_y, along_z, tables, material, beta_mu, work):  #
 
 
 @inlined
-def _answer(material, grid, tables, beta_mu, tile, work, limit, F, row, P):  # type: ignore[no-untyped-def]
+def _answer(material, grid, tables, rest, tile, work, limit, F, row, P):  # type: ignore[no-untyped-def]
     """The law at every particle of a tile: nine scratch rows from ``P`` on."""
     S = work.scratch
     if tables.smoothing > U(0):
@@ -157,7 +154,7 @@ def _answer(material, grid, tables, beta_mu, tile, work, limit, F, row, P):  # t
         )
         if len(work.difference) > 0:
             for k in range(tile.count):
-                S[row + k] += beta_mu * work.difference[tile.at + k]
+                S[row + k] += rest * work.difference[tile.at + k]
         for k in range(tile.count):
             A = tensor_at(S, F + k)
             H, J = cofactor(A), determinant(A)
@@ -187,7 +184,7 @@ def _hand_on(S, q, grid, tile, P, planes, to):  # type: ignore[no-untyped-def]
 
 @inlined
 def _stress(  # type: ignore[no-untyped-def]
-    t, along_x, along_y, along_z, tables, material, beta_mu, parts, x, p, work, limit, out
+    t, along_x, along_y, along_z, tables, material, rest, parts, x, p, work, limit, out
 ):
     grid, S, planes = Grid(along_x, along_y, along_z), work.scratch, work.planes
     ny, nz = grid.y.n, grid.z.n
@@ -203,7 +200,7 @@ def _stress(  # type: ignore[no-untyped-def]
             for k0 in range(U(0), nz, width):
                 tile = make_tile(grid, i, j, k0, lines, width)
                 gradient(x, grid, tile, S, F)
-                _answer(material, grid, tables, beta_mu, tile, work, limit, F, row, P)
+                _answer(material, grid, tables, rest, tile, work, limit, F, row, P)
                 to = start + tile.lane
                 if restrained:
                     if parts.viscosity != 0.0:
@@ -254,7 +251,7 @@ def _force(t, along_x, along_y, along_z, work, out):  # type: ignore[no-untyped-
 
 @kernel
 def forces(  # type: ignore[no-untyped-def]
-    along_x, along_y, along_z, tables, material, beta_mu, parts, x, p, work, limit, out
+    along_x, along_y, along_z, tables, material, rest, parts, x, p, work, limit, out
 ):
     """``rho0 a  (3, .)`` [N/m^3] of positions ``x`` and momenta ``p  (3, .)``.
 
@@ -264,10 +261,10 @@ def forces(  # type: ignore[no-untyped-def]
         for t in prange(work.workers):
             _dilatation(t, along_x, along_y, along_z, tables, x, work, limit)
         for t in prange(work.workers):
-            _pressure(t, along_x, along_y, along_z, tables, material, beta_mu, work)
+            _pressure(t, along_x, along_y, along_z, tables, material, rest, work)
     for t in prange(work.workers):
         _stress(
-            t, along_x, along_y, along_z, tables, material, beta_mu, parts, x, p, work, limit, out
+            t, along_x, along_y, along_z, tables, material, rest, parts, x, p, work, limit, out
         )
     for t in prange(work.workers):
         _force(t, along_x, along_y, along_z, work, out)

@@ -15,18 +15,8 @@ zeros are before the first and after the last: the transpose takes the ends like
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 from sphsolid.compiled import inlined
 from sphsolid.scheme.lattice_sums import STRIDE, U, tensor_at, tensor_to
-
-
-class RestraintParts(NamedTuple):
-    """``c_4 mu`` [Pa], ``c_e mu`` [Pa] and ``c_v rho0 c`` [kg/(m^2 s)]."""
-
-    quartic: float
-    elastic: float
-    viscosity: float
 
 
 @inlined

@@ -8,13 +8,15 @@ import numpy as np
 
 import sphsolid as sph
 from sphsolid.cloud.lattice.closures import difference
-from sphsolid.cloud.lattice.lines import Grid, filter_matrix, lines, norm, order_of, planes
+from sphsolid.cloud.lattice.line_filter import filter_matrix
+from sphsolid.cloud.lattice.lines import Grid, Smoothing, lines, norm, order_of, planes
 from sphsolid.continuum import law
 from sphsolid.fields import leading
 from sphsolid.scheme import lattice_force as lattice
+from sphsolid.scheme.restraint_term import RestraintParts
 
 SOLID = sph.NeoHookean.from_young(young_modulus=1.7e7, poisson_ratio=0.45, density=1100.0)
-NONE = lattice.RestraintParts(0.0, 0.0, 0.0)
+NONE = RestraintParts(0.0, 0.0, 0.0)
 SIDES = (1.0, 1.2, 1.5)
 
 
@@ -29,23 +31,23 @@ class LatticeBody:
         order: int,
         counts: tuple[int, int, int],
         *,
-        smoothing: int = 1,
+        smoothing: tuple[int, bool] = (1, False),
         beta: float = 0.0,
         slow: int = 0,
         workers: int = 2,
         solid: Any = SOLID,
     ) -> None:
         self.order, self.counts, self.smoothing, self.beta = order, counts, smoothing, beta
-        self.solid = solid
+        self.solid, kind = solid, Smoothing(*smoothing)
         self.axes = tuple((slow + a) % 3 for a in range(3))
         self.dx = [side / (n - 1) for side, n in zip(SIDES, counts, strict=True)]
         self.grid = Grid(
             *(
-                lines(order, counts[a], self.dx[a], column=a, smoothing=smoothing)
+                lines(order, counts[a], self.dx[a], column=a, smoothing=kind)
                 for a in self.axes
             )
         )
-        self.tables = planes(self.grid, smoothing)
+        self.tables = planes(self.grid, kind)
         self.V = self._physical(norm(self.grid)[None])[0]
         rng = np.random.default_rng(3)
         axes = [np.linspace(0.0, side, n) for side, n in zip(SIDES, counts, strict=True)]
@@ -72,7 +74,7 @@ class LatticeBody:
         work = lattice.make_work(
             self.grid,
             workers=self.workers,
-            filtered=self.smoothing > 0,
+            filtered=self.smoothing[0] > 0,
             restrained=parts != NONE,
             beta=self.beta > 0.0,
         )
@@ -100,7 +102,7 @@ class LatticeBody:
         """``S J``."""
         for axis, n in enumerate(self.counts):
             h, _ = difference(order_of(self.order, n), n).arrays()
-            S = filter_matrix(self.smoothing, h)
+            S = filter_matrix(h, order=self.smoothing[0], keeps_linear=self.smoothing[1])
             J = np.moveaxis(np.tensordot(S, J, (1, axis)), 0, axis)
         return J
 
@@ -111,7 +113,7 @@ class LatticeBody:
             q = 4 if n >= 5 else 2
             if n > q:
                 h, _ = difference(order_of(self.order, n), n).arrays()
-                e = np.diff(x, n=q, axis=axis + 1)
+                e = np.diff(x, n=q, axis=axis + 1) / (8.0 if q == 4 else 2.0)
                 middle = [slice(q // 2, n - q // 2) if d == axis else slice(None) for d in range(3)]
                 others = self.V / np.expand_dims(h, tuple({0, 1, 2} - {axis}))
                 size = np.sum(e * e, axis=0) / dx**2

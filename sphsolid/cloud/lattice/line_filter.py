@@ -1,82 +1,53 @@
 """A filter along the lines of a box lattice that is symmetric in the volumes.
 
-Along an axis whose volumes are ``dx h_i``, with ``D_q`` the ``q``-th difference,
+Along an axis with the norm ``H``, ``D`` the first difference and ``R = H^-1 D^T D / 4``, without
+which 1/4, 1/2, 1/4 are left inside,
 
-    S = I - 4^-q H^-1 D_q^T D_q,        h_i S_ij = h_j S_ji,        S 1 = 1,
+    order 1    S = I - R
+    order 2    S = I - R^2, or I - H^-1 D_2^T D_2 / 16 with second differences ``D_2``
 
-weights 1/4, 1/2, 1/4 inside for ``q = 1``.  That of ``q = 2`` leaves linear functions alone, the
-boundary included.  The shortest wave is filtered out and no wave is turned round.  The three axes
-commute, so their product is symmetric in the products of the norms.
+The two of order two are the same inside.  The second keeps linear functions at the ends too; the
+first lets the ends of a line vary more freely, as bending wants.  ``h_i S_ij = h_j S_ji`` and
+``S 1 = 1``.  The shortest wave is filtered out and no wave is turned round.  The axes commute, so
+their product is symmetric in the products of the norms.
 """
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
+from scipy.sparse import csr_array, eye_array, kron
 
 from sphsolid.cloud.lattice.box import BoxLattice
-from sphsolid.compiled import inlined, kernel, prange, threads
 
 Array = NDArray[np.float64]
-U = np.uint64
 #: Largest relative deviation of volumes from a product of three weights.
 _PRODUCT = 1.0e-12
 
 
-@inlined
-def _curvature(f, at, stride):  # type: ignore[no-untyped-def]
-    return (f[at + stride] - f[at]) - (f[at] - f[at - stride])
+def rough_part(weight: Array, *, order: int, keeps_linear: bool) -> list[tuple[Array, Array]]:
+    """``I - S`` of a line with norm ``weight (n,)`` as factors ``T D``, the last one first.
+
+    None where the line has too few points.
+    """
+    n = len(weight)
+    q = 2 if order == 2 and keeps_linear else 1
+    if n <= max(order, q):
+        return []
+    D = np.diff(np.eye(n), n=q, axis=0)
+    factor = 0.25**q * D.T / weight[:, None], D
+    return [factor] if q == order else [factor] * order
 
 
-@inlined
-def _rough(f, at, stride, i, n, order):  # type: ignore[no-untyped-def]
-    """``(D_q^T D_q f)_i``; ``at`` is where point ``i`` of the line of ``n`` is."""
-    total = 0.0
-    if order == U(1):
-        if i > U(0):
-            total += f[at] - f[at - stride]
-        if i + U(1) < n:
-            total += f[at] - f[at + stride]
-        return total
-    if i > U(0) and i + U(1) < n:
-        total -= 2.0 * _curvature(f, at, stride)
-    if i > U(1):
-        total += _curvature(f, at - stride, stride)
-    if i + U(2) < n:
-        total += _curvature(f, at + stride, stride)
-    return total
-
-
-@kernel
-def _planes(number, share_y, share_z, order, counts, workers, f, out):  # type: ignore[no-untyped-def]
-    """Particles to points, filtered along Z and Y."""
-    nx, ny, nz = counts
-    for t in prange(workers):
-        plane, along = np.empty(ny * nz), np.empty(ny * nz)
-        for i in range(U(t) * nx // U(workers), (U(t) + U(1)) * nx // U(workers)):
-            first = i * ny * nz
-            for at in range(ny * nz):
-                plane[at] = f[number[first + at]]
-            for j in range(ny):
-                for k in range(nz):
-                    at = j * nz + k
-                    along[at] = plane[at] - share_z[k] * _rough(plane, at, U(1), k, nz, order)
-            for j in range(ny):
-                share = share_y[j]
-                for k in range(nz):
-                    at = j * nz + k
-                    out[first + at] = along[at] - share * _rough(along, at, nz, j, ny, order)
-
-
-@kernel
-def _across(number, share_x, order, counts, workers, f, out):  # type: ignore[no-untyped-def]
-    """Filtered along X, points to particles."""
-    nx, ny, nz = counts
-    for t in prange(workers):
-        for i in range(U(t) * nx // U(workers), (U(t) + U(1)) * nx // U(workers)):
-            first, share = i * ny * nz, share_x[i]
-            for at in range(first, first + ny * nz):
-                out[number[at]] = f[at] - share * _rough(f, at, ny * nz, i, nx, order)
+def filter_matrix(weight: Array, *, order: int, keeps_linear: bool) -> Array:
+    """``S (n, n)`` of a line; the identity where ``order`` is zero."""
+    rough = np.eye(len(weight))
+    factors = rough_part(weight, order=order, keeps_linear=keeps_linear) if order else []
+    for T, D in factors:
+        rough = T @ (D @ rough)
+    return np.asarray(np.eye(len(weight)) - rough) if factors else rough
 
 
 def axis_weights(V: Array, box: BoxLattice) -> tuple[Array, Array, Array] | None:
@@ -94,30 +65,58 @@ def axis_weights(V: Array, box: BoxLattice) -> tuple[Array, Array, Array] | None
 
 
 class LineFilter:
-    """``S`` of ``order`` 1 or 2 along all axes, applied ``times`` times; see the module."""
+    """``S`` along all axes of one body; see the module.
+
+    For any formulation; ``scheme.lattice_filter`` has it in kernels.
+    """
 
     def __init__(
-        self, box: BoxLattice, weights: tuple[Array, Array, Array], *, order: int, times: int
+        self,
+        box: BoxLattice,
+        weights: tuple[Array, Array, Array],
+        *,
+        order: int,
+        keeps_linear: bool,
     ) -> None:
-        self.order, self.times = order, times
-        self._number = box.number.ravel().astype(np.uint64)
-        self._counts = tuple(np.uint64(n) for n in box.counts)
-        # A line that is too short for the difference stays as it is.
-        self._shares = tuple(
-            0.25**order / h if len(h) > order else np.zeros(len(h)) for h in weights
-        )
+        self.order, self.keeps_linear = order, keeps_linear
+        line = box.number.ravel()
+        place = csr_array((np.ones(line.size), (np.arange(line.size), line)))
+        self._axes = [
+            [
+                _of_all_lines(factor, axis, box.counts, place)
+                for factor in rough_part(weight, order=order, keeps_linear=keeps_linear)
+            ]
+            for axis, weight in enumerate(weights)
+        ]
 
     def apply(self, f: Array, work: Array, out: Array) -> None:
-        """``out = S f``, all ``(N,)``; ``work`` is overwritten, ``out`` may be ``f``."""
-        x, y, z = self._shares
-        order, workers = np.uint64(self.order), threads()
-        for _ in range(self.times):
-            _planes(self._number, y, z, order, self._counts, workers, f, work)
-            _across(self._number, x, order, self._counts, workers, work, out)
-            f = out
+        """``out = S f``, all ``(N,)`` and three different arrays; ``work`` is overwritten."""
+        out[:] = f
+        for factors in self._axes:
+            if factors:
+                work[:] = out
+                for T, D in factors:
+                    # Differences first: of a constant nothing is left, to the last bit.
+                    work[:] = T @ (D @ work)
+                out -= work
 
     @property
     def description(self) -> str:
         """Which filter it is."""
-        times = {1: "once", 2: "twice"}.get(self.times, f"{self.times} times")
-        return f"lines of the lattice, order {self.order}, {times}"
+        kept = ", linear functions kept" if self.keeps_linear else ""
+        return f"lines of the lattice, order {self.order}{kept}"
+
+
+def _of_all_lines(
+    factor: tuple[Array, Array], axis: int, counts: tuple[int, int, int], place: csr_array
+) -> tuple[Any, Any]:
+    """``T`` and ``D`` for the particles in their own numbering."""
+    ones = [eye_array(n) for n in counts]
+
+    def spread(matrix: Array) -> Any:
+        parts: list[Any] = list(ones)
+        parts[axis] = csr_array(matrix)
+        return kron(kron(parts[0], parts[1]), parts[2])
+
+    T, D = factor
+    return csr_array(place.T @ spread(T)), csr_array(spread(D) @ place)

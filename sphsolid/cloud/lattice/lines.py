@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sphsolid.cloud.lattice.closures import central, difference, points_needed
+from sphsolid.cloud.lattice.line_filter import filter_matrix
 from sphsolid.errors import InputError
 
 Array = NDArray[np.float64]
@@ -23,7 +24,8 @@ class Lines(NamedTuple):
     ``column`` is the direction of space along the axis: where its derivatives stand in ``F``.
 
     The restraint takes ``e_i = middle f_i + near (f_(i-1) + f_(i+1)) + far (f_(i-2) + f_(i+2))``,
-    the fourth difference with ``reach`` two; the second with ``reach`` one on a short axis.
+    an eighth of the fourth difference with ``reach`` two, half of the second with ``reach`` one on
+    a short axis: of a saw tooth both are twice as large as it is.
 
     ``smooth (n, 4)`` are the weights of a filter ``f_i + sum_m s_m (f_(i+m) - f_i)``, ``m = -2,
     -1, 1, 2``.
@@ -68,6 +70,16 @@ class Grid(NamedTuple):
     z: Lines
 
 
+class Smoothing(NamedTuple):
+    """Which filter: see ``line_filter``; ``order`` zero is none."""
+
+    order: int
+    keeps_linear: bool
+
+
+NO_SMOOTHING = Smoothing(0, False)
+
+
 class Planes(NamedTuple):
     """What depends on the place in a plane of the two fast axes: a number for each particle of it.
 
@@ -81,11 +93,11 @@ class Planes(NamedTuple):
     smooth_z: Array
 
 
-def lines(order: int, n: int, dx: float, *, column: int, smoothing: int) -> Lines:
+def lines(order: int, n: int, dx: float, *, column: int, smoothing: Smoothing) -> Lines:
     """The difference of ``order`` on ``n`` points, of a lower one where they are too few.
 
     The central coefficients are those of ``order`` whatever the rows are, so that all axes of a
-    body have one kernel.  ``smoothing`` is 0 for no filter, else the ``q`` of ``filter_matrix``.
+    body have one kernel.
     """
     actual = order_of(order, n)
     h, D = difference(actual, n).arrays()
@@ -118,25 +130,13 @@ def lines(order: int, n: int, dx: float, *, column: int, smoothing: int) -> Line
         inverse=1.0 / h,
         edge=1.0 / (dx * h[0]),
         reach=np.uint64(reach),
-        middle=(0.0, 2.0, 6.0)[reach],
-        near=(0.0, -1.0, -4.0)[reach],
-        far=(0.0, 0.0, 1.0)[reach],
-        smooth=_neighbours(filter_matrix(smoothing, h)),
+        middle=(0.0, 1.0, 0.75)[reach],
+        near=(0.0, -0.5, -0.5)[reach],
+        far=(0.0, 0.0, 0.125)[reach],
+        smooth=_neighbours(
+            filter_matrix(h, order=smoothing.order, keeps_linear=smoothing.keeps_linear)
+        ),
     )
-
-
-def filter_matrix(q: int, weight: Array) -> Array:
-    """``S = I - 4^-q H^-1 D_q^T D_q  (n, n)``, ``D_q`` the ``q``-th difference, ``H = weight``.
-
-    ``H S`` is symmetric; ``S`` keeps constants for ``q = 1`` (1/4, 1/2, 1/4 inside) and linear
-    functions for ``q = 2``, at the ends too; it takes what alternates from point to point away.
-    The identity where ``q`` is zero or there are not more than ``q`` points.
-    """
-    n = len(weight)
-    if q == 0 or n <= q:
-        return np.eye(n)
-    D = np.diff(np.eye(n), n=q, axis=0)
-    return np.asarray(np.eye(n) - 0.25**q * (D.T @ D) / weight[:, None])
 
 
 def _neighbours(matrix: Array) -> Array:
@@ -148,12 +148,12 @@ def _neighbours(matrix: Array) -> Array:
     return weights
 
 
-def planes(grid: Grid, smoothing: int) -> Planes:
+def planes(grid: Grid, smoothing: Smoothing) -> Planes:
     """The tables of the planes of a grid whose lines have this ``smoothing``."""
     ny, nz = int(grid.y.n), int(grid.z.n)
     ones = np.ones(ny * nz)
     return Planes(
-        smoothing=np.uint64(smoothing),
+        smoothing=np.uint64(smoothing.order),
         inverse=np.array([ones, np.repeat(grid.y.inverse, nz), np.tile(grid.z.inverse, ny)]),
         smooth_y=np.ascontiguousarray(np.repeat(grid.y.smooth, nz, axis=0).T),
         smooth_z=np.ascontiguousarray(np.tile(grid.z.smooth, (ny, 1)).T),

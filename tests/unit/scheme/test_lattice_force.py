@@ -8,25 +8,25 @@ import numpy as np
 import pytest
 
 from sphsolid.cloud.lattice.closures import difference
-from sphsolid.cloud.lattice.lines import filter_matrix
+from sphsolid.cloud.lattice.line_filter import filter_matrix
 from sphsolid.continuum.law import QUADRATIC, register_law
-from sphsolid.scheme import lattice_force as lattice
 from sphsolid.scheme.lattice_motion import kick_and_drift, kick_and_half_drift
+from sphsolid.scheme.restraint_term import RestraintParts
 from tests.oracles.lattice_body import NONE, SOLID, LatticeBody
 
-SPRING = lattice.RestraintParts(0.05 * SOLID.mu, 0.02 * SOLID.mu, 0.0)
-DASHPOT = lattice.RestraintParts(0.0, 0.0, 0.01 * 1100.0 * 50.0)
-ALL = lattice.RestraintParts(0.05 * SOLID.mu, 0.02 * SOLID.mu, 0.01 * 1100.0 * 50.0)
+SPRING = RestraintParts(0.05 * SOLID.mu, 0.02 * SOLID.mu, 0.0)
+DASHPOT = RestraintParts(0.0, 0.0, 0.01 * 1100.0 * 50.0)
+ALL = RestraintParts(0.05 * SOLID.mu, 0.02 * SOLID.mu, 0.01 * 1100.0 * 50.0)
 BETA = 0.3 * SOLID.mu
 #: Long axes, and short ones whose rows are dense or whose restraint is the second difference.
 BODIES = {
     "long": LatticeBody(4, (9, 10, 12)),
-    "short, no filter": LatticeBody(4, (4, 3, 7), smoothing=0),
-    "short": LatticeBody(4, (4, 3, 7), smoothing=2, beta=BETA),
-    "beam": LatticeBody(4, (5, 2, 110), smoothing=2, workers=3),
-    "beta": LatticeBody(4, (6, 9, 13), smoothing=1, beta=BETA),
-    "order two": LatticeBody(2, (5, 6, 9), smoothing=2),
-    "order six": LatticeBody(6, (13, 4, 14), smoothing=1),
+    "short, no filter": LatticeBody(4, (4, 3, 7), smoothing=(0, False)),
+    "short": LatticeBody(4, (4, 3, 7), smoothing=(2, False), beta=BETA),
+    "beam": LatticeBody(4, (5, 2, 110), smoothing=(2, True), workers=3),
+    "beta": LatticeBody(4, (6, 9, 13), smoothing=(1, False), beta=BETA),
+    "order two": LatticeBody(2, (5, 6, 9), smoothing=(2, False)),
+    "order six": LatticeBody(6, (13, 4, 14), smoothing=(1, False)),
 }
 
 
@@ -92,9 +92,9 @@ def test_what_is_no_state_is_marked():
     assert body.stretch[0, 0, 0] > 0.0
 
 
-@pytest.mark.parametrize("smoothing", [0, 1, 2])
+@pytest.mark.parametrize("smoothing", [(0, False), (1, False), (2, False), (2, True)])
 def test_the_same_bits_however_many_share_the_work(smoothing):
-    counts, beta = (9, 10, 12), BETA if smoothing else 0.0
+    counts, beta = (9, 10, 12), BETA if smoothing[0] else 0.0
     one, three = (
         LatticeBody(4, counts, smoothing=smoothing, beta=beta, workers=workers).force(ALL)
         for workers in (1, 3)
@@ -110,9 +110,9 @@ def test_an_affine_motion_has_a_force_at_the_boundary_alone():
     assert np.abs(f[inside]).max() < 1e-11 * np.abs(f).max()
 
 
-@pytest.mark.parametrize("smoothing", [0, 1, 2])
+@pytest.mark.parametrize("smoothing", [(0, False), (1, False), (2, False), (2, True)])
 def test_at_rest_there_is_no_pressure_but_round_off(smoothing):
-    body = LatticeBody(4, (9, 10, 12), smoothing=smoothing, beta=BETA if smoothing else 0.0)
+    body = LatticeBody(4, (9, 10, 12), smoothing=smoothing, beta=BETA if smoothing[0] else 0.0)
     f = body.force(ALL, x=body.X, p=0.0 * body.p)
     assert np.abs(f).max() < 1e-12 * SOLID.kappa / min(body.dx)
 

@@ -1,0 +1,146 @@
+"""The displacement form on a box lattice, evaluated along its lines (see ``lattice_force``).
+
+The state is ``p`` and ``x``, and of the strain each particle's smallest stretch, from which the
+stable step is taken: no ``F``, ``grad v`` or rate of a strain is stored.  The forces are those of
+the general evaluation to round-off.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numba
+import numpy as np
+from numpy.typing import NDArray
+
+from sphsolid.cloud.lattice.box import BoxLattice, box_of
+from sphsolid.cloud.lattice.lines import NO_SMOOTHING, Grid, Smoothing, lines, planes
+from sphsolid.cloud.lattice_difference import LatticeDifference
+from sphsolid.fields import components
+from sphsolid.scheme import lattice_force
+from sphsolid.scheme.filtered_dilatation import FilteredDilatationTerm
+from sphsolid.scheme.formulation import Displacement
+from sphsolid.scheme.integrator import Integrator
+from sphsolid.scheme.restraint_lines import LineRestraint
+from sphsolid.scheme.restraint_term import RestraintParts
+from sphsolid.scheme.right_hand_side import RightHandSide
+from sphsolid.scheme.set_up import SetUp
+from sphsolid.scheme.stage import Stage
+from sphsolid.scheme.state import Field, State
+from sphsolid.scheme.term import Term
+from sphsolid.scheme.time_step import STRETCH
+
+Array = NDArray[np.float64]
+_FREE = RestraintParts(0.0, 0.0, 0.0)
+
+
+def has_lattice_form(set_up: SetUp, terms: Sequence[Term], integrator: Integrator) -> bool:
+    """True for the displacement form with a lattice difference and no terms but those it knows.
+
+    The integrator must leave it to the evaluation to take ``F``.
+    """
+    return (
+        isinstance(set_up.cloud.kind, LatticeDifference)
+        and isinstance(set_up.formulation, Displacement)
+        and getattr(integrator, "derives_F", False)
+        and all(
+            isinstance(term, LineRestraint | FilteredDilatationTerm) for term in terms
+        )
+    )
+
+
+class LatticeRightHandSide(RightHandSide):
+    """The rate of ``p``, and each particle's smallest stretch into the state."""
+
+    def __init__(
+        self, set_up: SetUp, terms: Sequence[Term], fields: Sequence[Field]
+    ) -> None:
+        kept = [field for field in fields if field.name != "F"]
+        super().__init__(set_up, terms, [*kept, Field(STRETCH, evolved=False)])
+        cloud, kind = set_up.cloud, set_up.cloud.kind
+        box = box_of(cloud.mesh)
+        assert isinstance(box, BoxLattice)
+        assert isinstance(kind, LatticeDifference)
+        self._parts, smoothing, self._rest = _FREE, NO_SMOOTHING, 0.0
+        for term in terms:
+            if isinstance(term, LineRestraint):
+                self._parts = term.parts
+            elif isinstance(term, FilteredDilatationTerm):
+                smoothing = Smoothing(term.options.order, term.options.keeps_linear)
+                self._rest = term.stiffness
+        self._grid = Grid(
+            *(
+                lines(kind.order, box.counts[d], float(box.dx[d]), column=d, smoothing=smoothing)
+                for d in box.directions
+            )
+        )
+        self._planes = planes(self._grid, smoothing)
+        self._work = lattice_force.make_work(
+            self._grid, workers=numba.config.NUMBA_NUM_THREADS, filtered=smoothing.order > 0,
+            restrained=self._parts != _FREE, beta=self._rest > 0.0,
+        )  # fmt: skip
+        # No stress is kept.
+        self.P = self.P_galerkin = self.P[:0]
+        self._F = self.operator.zeros(Field("F", "tensor"))[:0]
+        self.keeps_rates = self.has_budget = False
+
+    def keep_galerkin_stress(self) -> None:
+        """For a budget: ``F`` and its law's stress, that of an evaluation, from now on."""
+        if not self.has_budget:
+            tensor = Field("P", "tensor")
+            self._F, self.P_galerkin = self.operator.zeros(tensor), self.operator.zeros(tensor)
+            self.rates = State(**self.rates, F=self.operator.zeros(tensor))
+            self.has_budget = True
+
+    def with_strains(self, state: State) -> State:
+        """``state`` with the ``F`` of the last evaluation, which a budget asks for."""
+        return state.but(F=self._F)
+
+    def start(self, state: State) -> None:
+        """The smallest stretches of the first positions."""
+        super().start(state)
+        self._forces(state, self.operator.arms(state.x))
+
+    def free_force(self, state: State) -> Array:
+        """Force of the body itself ``(N, 3)`` [N/m^3] at free components, no load acting."""
+        self._forces(state, self.operator.arms(state.x))
+        self.essential.release(self.rates.p)
+        return self.rates.p
+
+    def evaluate(
+        self, state: State, geometry: Array, t: float, *, knows_L: bool = False,
+        derives_F: bool = False,
+    ) -> State:  # fmt: skip
+        """The rate of ``p`` of ``state`` at time ``t``, whose positions are ``geometry``."""
+        rates, arms = self.rates, self.operator.arms(geometry)
+        self.stage = Stage(
+            state, geometry, arms, t, rates, self.P, self._projected_rate, False, True
+        )
+        self._forces(state, arms)
+        if self.loads.any:
+            rates.p += self.loads.at(t)[0]
+        if self.has_budget:
+            self._keep(state, arms)
+        self.essential.reaction(rates.p, self.reaction)
+        self.essential.release(rates.p)
+        return rates
+
+    def _forces(self, state: State, arms: Array) -> None:
+        lattice_force.forces(
+            *self._grid, self._planes, self.material, self._rest, self._parts,
+            components(arms), components(state.p), self._work, components(state[STRETCH])[0],
+            components(self.rates.p),
+        )  # fmt: skip
+
+    def _keep(self, state: State, arms: Array) -> None:
+        """What the powers of an evaluation are taken from."""
+        operator = self.operator
+        operator.gradient(arms, 1.0, self._F)
+        operator.gradient(state.p, 1.0 / self.material.density, self.rates.F)
+        self.stage = stage = replace(self.stage, state=self.with_strains(state))
+        law_alone = replace(stage, P=self.P_galerkin)
+        operator.rates_and_stress(self.material, law_alone, needs_rates=False, knows_L=True)
+        for term in self.terms:
+            if isinstance(term, LineRestraint):
+                term.measured(stage)
