@@ -195,28 +195,31 @@ def _stress(  # type: ignore[no-untyped-def]
     first, last = _share(t, work.workers, grid.x.n)
     lines, width = extent(grid)
     restrained, per_mass = work.R.shape[1] > 0, 1.0 / material.density
+    damped = restrained and parts.viscosity != 0.0
     for i in range(first, last):
         for j in range(U(0), ny, lines):
             for k0 in range(U(0), nz, width):
                 tile = make_tile(grid, i, j, k0, lines, width)
-                gradient(x, grid, tile, S, F)
+                # Code that is written once is compiled once: loops over two fields and three axes.
+                for part in range(2 if damped else 1):
+                    gradient(x if part == 0 else p, grid, tile, S, F if part == 0 else L)
                 _answer(material, grid, tables, rest, tile, work, limit, F, row, P)
                 to = start + tile.lane
-                if restrained:
-                    if parts.viscosity != 0.0:
-                        gradient(p, grid, tile, S, L)
-                    restrain(
-                        parts, grid, tables, 0, tile, per_mass, x, p, S, F, L, P, e, work.R, U(0),
-                        tile.at + plane + plane,
-                    )  # fmt: skip
-                    restrain(
-                        parts, grid, tables, 1, tile, per_mass, x, p, S, F, L, P, e, planes, U(6),
-                        to,
-                    )  # fmt: skip
-                    restrain(
-                        parts, grid, tables, 2, tile, per_mass, x, p, S, F, L, P, e, planes, U(9),
-                        to,
-                    )  # fmt: skip
+                for axis in range(3 if restrained else 0):
+                    low, count = restrain(
+                        parts, grid, tables, axis, tile, per_mass, x, p, S, F, L, P, e
+                    )
+                    pull = e + U(3 * STRIDE) + low
+                    if axis == 0:
+                        at = tile.at + plane + plane + low
+                        for c in range(U(3)):
+                            for k in range(count):
+                                work.R[c, at + k] = S[pull + c * U(STRIDE) + k]
+                    else:
+                        r, at = U(6) if axis == 1 else U(9), to + low
+                        for c in range(U(3)):
+                            for k in range(count):
+                                planes[r + c, at + k] = S[pull + c * U(STRIDE) + k]
                 _hand_on(S, P, grid, tile, work.P, planes, to)
         for j in range(U(0), ny, lines):
             for k0 in range(U(0), nz, width):
@@ -259,12 +262,12 @@ def forces(  # type: ignore[no-untyped-def]
     """
     if tables.smoothing > U(0):
         for t in prange(work.workers):
-            _dilatation(t, along_x, along_y, along_z, tables, x, work, limit)
+            _dilatation(U(t), along_x, along_y, along_z, tables, x, work, limit)
         for t in prange(work.workers):
-            _pressure(t, along_x, along_y, along_z, tables, material, rest, work)
+            _pressure(U(t), along_x, along_y, along_z, tables, material, rest, work)
     for t in prange(work.workers):
         _stress(
-            t, along_x, along_y, along_z, tables, material, rest, parts, x, p, work, limit, out
+            U(t), along_x, along_y, along_z, tables, material, rest, parts, x, p, work, limit, out
         )
     for t in prange(work.workers):
-        _force(t, along_x, along_y, along_z, work, out)
+        _force(U(t), along_x, along_y, along_z, work, out)

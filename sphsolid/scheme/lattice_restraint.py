@@ -56,13 +56,13 @@ def _clear_ends(line, tile, S, q):  # type: ignore[no-untyped-def]
 
 @inlined
 def restrain(  # type: ignore[no-untyped-def]
-    parts, grid, tables, axis, tile, per_mass, x, p, S, F, L, P, e, R, r, to
+    parts, grid, tables, axis, tile, per_mass, x, p, S, F, L, P, e
 ):
     """``R`` of one axis on a tile, and what its viscous part adds to ``P``.
 
-    Written to rows ``r, r + 1, r + 2`` of ``R``, in which the tile begins at ``to``.  ``F``, ``L``,
-    ``P`` and ``e`` are where scratch rows begin: nine of ``grad x``, of ``grad p`` and of the
-    stress, and room for six.
+    ``F``, ``L``, ``P`` and ``e`` are where scratch rows begin: nine of ``grad x``, of ``grad p``
+    and of the stress, and room for six.  ``R`` is left in the last three of these; handed out are
+    the first particle that has one and their number.
     """
     low, count, weight = U(0), tile.count, 1.0
     if axis == 0:
@@ -83,11 +83,12 @@ def restrain(  # type: ignore[no-untyped-def]
         low = begin
         count = tile.count - begin - cut if begin + cut < tile.count else U(0)
     if line.reach == U(0) or count == U(0):
-        return
+        return low, U(0)
     # All rows are read from the same lane on, or their distances would not be constant.
     F, L, P, e, lane = F + low, L + low, P + low, e + low, tile.lane + low
-    at, to, v = tile.at + low, to + low, e + U(3 * STRIDE)
+    at, v = tile.at + low, e + U(3 * STRIDE)
     e1, e2 = e + U(STRIDE), e + U(2 * STRIDE)
+    v1, v2 = v + U(STRIDE), v + U(2 * STRIDE)
     _difference(x, line, at, stride, count, S, e)
     if axis == 2:
         _clear_ends(line, tile, S, e - low)
@@ -97,14 +98,11 @@ def restrain(  # type: ignore[no-untyped-def]
         for k in range(count):
             d0, d1, d2 = S[e + k], S[e1 + k], S[e2 + k]
             spring = quartic * (d0 * d0 + d1 * d1 + d2 * d2) + elastic
-            R[r, to + k] = spring * d0
-            R[r + U(1), to + k] = spring * d1
-            R[r + U(2), to + k] = spring * d2
-        return
+            S[v + k], S[v1 + k], S[v2 + k] = spring * d0, spring * d1, spring * d2
+        return low, count
     _difference(p, line, at, stride, count, S, v)
     if axis == 2:
         _clear_ends(line, tile, S, v - low)
-    v1, v2 = v + U(STRIDE), v + U(2 * STRIDE)
     # A difference of momenta over the density is one of velocities.
     viscosity = parts.viscosity * per_mass / line.dx
     for k in range(count):
@@ -129,9 +127,7 @@ def restrain(  # type: ignore[no-untyped-def]
             T[6] + d2 * s0, T[7] + d2 * s1, T[8] + d2 * s2,
         )  # fmt: skip
         tensor_to(added, S, P + k)
-    for c in range(U(3)):
-        for k in range(count):
-            R[r + c, to + k] = S[v + c * U(STRIDE) + k]
+    return low, count
 
 
 @inlined

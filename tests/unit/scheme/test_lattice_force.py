@@ -118,10 +118,11 @@ def test_at_rest_there_is_no_pressure_but_round_off(smoothing):
 
 
 @pytest.mark.parametrize("n", [2, 3, 4, 9, 12])
-@pytest.mark.parametrize("q", [1, 2])
-def test_a_filter_is_symmetric_keeps_polynomials_and_takes_the_roughest(q, n):
+@pytest.mark.parametrize(("order", "keeps_linear"), [(1, False), (2, False), (2, True)])
+def test_a_filter_is_symmetric_keeps_polynomials_and_takes_the_roughest(order, keeps_linear, n):
     h, _ = difference(4 if n >= 4 else 2, n).arrays()
-    S = filter_matrix(q, h)
+    S = filter_matrix(h, order=order, keeps_linear=keeps_linear)
+    q = 2 if keeps_linear else 1
     HS = h[:, None] * S
     k = np.arange(n)
     assert np.abs(HS - HS.T).max() < 1e-15
