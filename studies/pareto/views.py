@@ -1,0 +1,62 @@
+"""Tables of the report: what is compared, a column a method."""
+
+from __future__ import annotations
+
+import pandas as pd
+
+from studies.pareto.iso_error import DECIDED, NEITHER, OPEN, UNSURE, medians
+from studies.pareto.methods import front
+from studies.pareto.problems import CUBE, PROBLEMS
+
+
+def decided_rows(compared: pd.DataFrame) -> pd.DataFrame:
+    """Comparisons that came to something."""
+    shown = compared[~compared["outcome"].isin((NEITHER, OPEN, UNSURE))]
+    return shown.assign(scene=shown["scene"].map(_title))
+
+
+def of_each(by_name: pd.DataFrame) -> pd.DataFrame:
+    """Methods of which a cost can be compared, from the lowest median to the highest."""
+    return by_name[by_name["decided"] > 0].sort_values("median", kind="stable")
+
+
+def by_error(alone: pd.DataFrame) -> pd.DataFrame:
+    """A row per scene, nu, measure and error, a column per method of the front: CPU over FEM's."""
+    shown = _of_front(alone[alone["outcome"].isin((*DECIDED, OPEN))])
+    sign = {"at most": "≤ ", "at least": "≥ ", "both bounds": "? "}
+    said = [
+        f"{sign.get(bound, '')}{ratio:.2g}"
+        for bound, ratio in zip(shown["bound"], shown["cpu_ratio"], strict=True)
+    ]
+    return _wide(shown.assign(value=said), ["scene", "nu", "measure", "asked"])
+
+
+def by_scene(alone: pd.DataFrame) -> pd.DataFrame:
+    """A row per scene and nu, a column per method of the front: the median of its CPU ratios."""
+    found = _of_front(medians(alone, by=("scene", "nu", "method")))
+    known = found[found["decided"] > 0]
+    return _wide(known.assign(value=known["median"]), ["scene", "nu"])
+
+
+def at_cost(errors: pd.DataFrame) -> pd.DataFrame:
+    """A row per scene, nu, measure and lattice of B-bar elements, a column per method."""
+    shown = errors.assign(value=errors["error"])
+    return _wide(shown, ["scene", "nu", "measure", "cells", "cpu_s_per_s"])
+
+
+def _title(scene: str) -> str:
+    return PROBLEMS[scene].title
+
+
+def _of_front(frame: pd.DataFrame) -> pd.DataFrame:
+    names = [method.name for nu in PROBLEMS[CUBE].nus for method in front(nu)]
+    return frame[frame["method"].isin(names)]
+
+
+def _wide(frame: pd.DataFrame, index: list[str]) -> pd.DataFrame:
+    """``value`` by method, in the order in which rows and methods come first."""
+    named = frame.assign(scene=frame["scene"].map(_title))
+    wide = named.pivot(index=index, columns="method", values="value")
+    rows = named[index].drop_duplicates()
+    columns = list(dict.fromkeys(named["method"]))
+    return wide.reindex(pd.MultiIndex.from_frame(rows))[columns].reset_index()
