@@ -73,15 +73,7 @@ def front_claims(compared: pd.DataFrame, medians: pd.DataFrame) -> Iterator[Clai
         asked = asked[asked["measure"].isin(target.measures) & asked["asked"].isin(target.errors)]
         of = {name: select(asked, method=name) for name in _LATTICES}
         ratios = {name: measured(rows, target.most) for name, rows in of.items()}
-        # With the fewest failures, then the lowest of its largest ratios.
-        best = min(
-            _LATTICES,
-            key=lambda name: (
-                not ratios[name],
-                sum(value > target.most for value in ratios[name].values()),
-                max(ratios[name].values(), default=math.inf),
-            ),
-        )
+        best = min(_LATTICES, key=lambda name: _rank(ratios[name], of[name], target.most))
         for name in dict.fromkeys((best, PACKAGE.name)):
             yield Claim(
                 f"at equal error {name} costs so many times the cheaper finite element",
@@ -97,6 +89,13 @@ def front_claims(compared: pd.DataFrame, medians: pd.DataFrame) -> Iterator[Clai
                 f"median over all comparable rows of the cost of {name} over the cheaper finite "
                 "element", float(by_name[name]), "<=", MEDIAN,
             )  # fmt: skip
+
+
+def _rank(ratios: dict[str, float], rows: pd.DataFrame, most: float) -> tuple[float, ...]:
+    """The fewest failures, then the most errors reached, then the smallest worst ratio."""
+    reached = len(ratios) + int((rows["outcome"] == ONLY_SPH).sum())
+    failures = sum(value > most for value in ratios.values())
+    return reached == 0, failures, -reached, max(ratios.values(), default=math.inf)
 
 
 def _only(name: str, known: Sequence[str]) -> Sequence[str]:
