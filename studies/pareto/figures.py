@@ -34,10 +34,11 @@ def panel(ax: Axes, runs: pd.DataFrame, cost: str, measure: str, nu: float) -> N
         run = run[np.isfinite(run[measure]) & (run[measure] > 0.0) & (run[cost] > 0.0)]
         if len(run):
             ax.plot(scale * run[cost], run[measure], label=method.name, **method.look)
-    ax.set(xscale="log", yscale="log")
     if not ax.lines:
         ax.text(0.5, 0.5, "not run", transform=ax.transAxes, ha="center", va="center")
+        ax.set(xticks=[], yticks=[])
         return
+    ax.set(xscale="log", yscale="log")
     for axis in (ax.xaxis, ax.yaxis):
         low, high = axis.get_view_interval()
         # Decades alone where there are many, else numbers between them too.
@@ -58,6 +59,9 @@ def drawing(shown: Sequence[tuple[str, str]], cost: str, results: Results) -> Fi
     for row, (scene, measure) in enumerate(shown):
         for column, nu in enumerate(ratios):
             ax: Any = axes[row, column]
+            if nu not in PROBLEMS[scene].nus:
+                ax.set_axis_off()
+                continue
             panel(ax, select(table, scene=scene, nu=nu), cost, measure, nu)
             ax.set(
                 title=f"{PROBLEMS[scene].title}, nu = {nu:g}",

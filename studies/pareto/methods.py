@@ -90,11 +90,11 @@ def options() -> tuple[Method, ...]:
 def goes_finest(scene: str, method: Method, nu: float) -> bool:
     """Whether a method is run on the finest lattice of a cube, the dearest runs of the study.
 
-    Elements need it to reach a thousandth; the linear limit has no loads and is cheap.
+    Elements need it to reach a thousandth; the linear limit has no loads and is cheaper.
     """
     if scene == CUBE:
         fields = (PFJ,) if nu >= 0.45 else (PF, PFJ)
         return method in (B_BAR, TAYLOR_HOOD, *(MIXED[each] for each in fields))
-    if scene == LINEAR_FAIR:
-        return nu < 0.499 and method in (B_BAR, TAYLOR_HOOD, *LATTICES)
-    return scene == FAIR and method in (B_BAR, TAYLOR_HOOD)
+    if scene == LINEAR_FAIR and nu < 0.45:
+        return method in (B_BAR, TAYLOR_HOOD, *LATTICES)
+    return scene in (FAIR, LINEAR_FAIR) and nu < 0.499 and method in (B_BAR, TAYLOR_HOOD)

@@ -28,7 +28,8 @@ def by_error(alone: pd.DataFrame) -> pd.DataFrame:
         f"{sign.get(bound, '')}{ratio:.2g}"
         for bound, ratio in zip(shown["bound"], shown["cpu_ratio"], strict=True)
     ]
-    return _wide(shown.assign(value=said), ["scene", "nu", "measure", "asked"])
+    wide = _wide(shown.assign(value=said), ["scene", "nu", "measure", "asked"])
+    return wide.rename(columns={"measure": "of", "asked": "error"})
 
 
 def by_scene(alone: pd.DataFrame) -> pd.DataFrame:
@@ -41,7 +42,8 @@ def by_scene(alone: pd.DataFrame) -> pd.DataFrame:
 def at_cost(errors: pd.DataFrame) -> pd.DataFrame:
     """A row per scene, nu, measure and lattice of B-bar elements, a column per method."""
     shown = errors.assign(value=errors["error"])
-    return _wide(shown, ["scene", "nu", "measure", "cells", "cpu_s_per_s"])
+    wide = _wide(shown, ["scene", "nu", "measure", "cells", "cpu_s_per_s"])
+    return wide.rename(columns={"measure": "of", "cells": "1/h", "cpu_s_per_s": "CPU s/s"})
 
 
 def _title(scene: str) -> str:
@@ -54,8 +56,10 @@ def _of_front(frame: pd.DataFrame) -> pd.DataFrame:
 
 
 def _wide(frame: pd.DataFrame, index: list[str]) -> pd.DataFrame:
-    """``value`` by method, in the order in which rows and methods come first."""
-    named = frame.assign(scene=frame["scene"].map(_title))
+    """``value`` by method, in the order of the problems and in that in which methods come first."""
+    order = {name: place for place, name in enumerate(PROBLEMS)}
+    sorted_frame = frame.sort_values("scene", key=lambda scene: scene.map(order), kind="stable")
+    named = sorted_frame.assign(scene=sorted_frame["scene"].map(_title))
     wide = named.pivot(index=index, columns="method", values="value")
     rows = named[index].drop_duplicates()
     columns = list(dict.fromkeys(named["method"]))
