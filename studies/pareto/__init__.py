@@ -69,8 +69,8 @@ from studies.pareto.runs import Timing, run_case
 from studies.pareto.views import at_cost, by_error, by_scene, decided_rows, of_each
 
 POISSON = PROBLEMS[CUBE].nus
-#: Cells per metre of the finest cubes, and of the reference of the column in both forms.
-FINEST_CUBE, FINEST_REFERENCE, QUICK_REFERENCE = 32, 16, 6
+#: Cells per metre of the reference of the column in the short form.
+QUICK_REFERENCE = 6
 FULL, QUICK, UNTIMED = Timing(0.1, 5), Timing(0.03, 3), Timing(0.0, 0)
 RUN = ["nu", "method", "cells"]
 #: Columns of the main table; errors are shares, costs CPU seconds of one thread and bytes.
@@ -133,14 +133,14 @@ def _all(quick: bool) -> Iterator[Case]:
             for method in short(scene, nu) if quick else methods_of(scene, nu):
                 levels = problem.quick if quick else problem.levels
                 if not quick and goes_finest(scene, method, nu):
-                    levels = (*levels, FINEST_CUBE)
+                    levels = (*levels, problem.finest)
                 for cells in levels:
                     yield _case(scene, nu, method, cells, timing)
     for nu in POISSON:
         for method in () if quick and nu > POISSON[0] else options():
             yield _case(CUBE, nu, method, PROBLEMS[CUBE].quick[0] if quick else 16, timing)
         for method in REFERENCES:
-            cells = QUICK_REFERENCE if quick else FINEST_REFERENCE
+            cells = QUICK_REFERENCE if quick else PROBLEMS[COLUMN].finest
             yield _case(COLUMN, nu, method, cells, UNTIMED)
 
 

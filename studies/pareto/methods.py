@@ -19,7 +19,7 @@ from studies.methods import (
     UNSTABILISED,
     Method,
 )
-from studies.pareto.problems import CUBE, FAIR, LINEAR_FAIR, PROBLEMS
+from studies.pareto.problems import CUBE, FAIR, LINEAR_FAIR, PROBLEMS, PULSE, VIBRATION
 
 MARKERS = {sph.PF(): "o", sph.PFJ(): "^", sph.PFHJ(): "s"}
 PF, PFJ, PFHJ = MARKERS
@@ -88,13 +88,15 @@ def options() -> tuple[Method, ...]:
 
 
 def goes_finest(scene: str, method: Method, nu: float) -> bool:
-    """Whether a method is run on the finest lattice of a cube, the dearest runs of the study.
+    """Whether a method is run on the finest lattice of a problem, the dearest runs of the study.
 
-    Elements need it to reach a thousandth; the linear limit has no loads and is cheaper.
+    Elements need it to reach a thousandth, and to cost what particles do; the linear limit has no
+    loads and is cheaper.
     """
     if scene == CUBE:
         fields = (PFJ,) if nu >= 0.45 else (PF, PFJ)
         return method in (B_BAR, TAYLOR_HOOD, *(MIXED[each] for each in fields))
     if scene == LINEAR_FAIR and nu < 0.45:
         return method in (B_BAR, TAYLOR_HOOD, *LATTICES)
-    return scene in (FAIR, LINEAR_FAIR) and nu < 0.499 and method in (B_BAR, TAYLOR_HOOD)
+    others = scene in (FAIR, LINEAR_FAIR, VIBRATION, PULSE) and nu < 0.499
+    return others and method in (B_BAR, TAYLOR_HOOD)

@@ -4,8 +4,8 @@ A new problem is an entry in :data:`PROBLEMS`.  ``stated`` is what errors are ta
 the same body, material and constraints without loads: what a step costs.  ``errors`` runs a solver
 and gives columns of its row, and rows of instants; ``cost`` guesses the time of a run [s].
 ``measures`` are the columns of errors at which costs are compared, ``levels`` cells per metre of
-the full form, ``quick`` of the short one.  A problem that is for ``everyone`` is run with every
-method, any other with those of the front.
+the full form, ``quick`` of the short one; ``finest`` is for few methods.  A problem that is for
+``everyone`` is run with every method, any other with those of the front.
 """
 
 from __future__ import annotations
@@ -48,6 +48,7 @@ class Cube:
     nus: tuple[float, ...] = (0.3, 0.495)
     measures: tuple[str, ...] = ("momentum", "stress")
     levels: tuple[int, ...] = (4, 8, 16)
+    finest: int = 32
     quick: tuple[int, ...] = (4, 6)
 
     @property
@@ -115,6 +116,7 @@ class Column:
     nus: tuple[float, ...] = (0.3, 0.495)
     measures: tuple[str, ...] = ("twist_rms", "twist_end", "energy")
     levels: tuple[int, ...] = (3, 5, 10)
+    finest: int = 16
     quick: tuple[int, ...] = (3, 5)
 
     def stated(self, nu: float, cells: int, *, elements: bool = False) -> Scene:
@@ -154,6 +156,7 @@ class Vibration:
     nus: tuple[float, ...] = (0.3, 0.495)
     measures: tuple[str, ...] = ("frequency",)
     levels: tuple[int, ...] = (4, 8, 12)
+    finest: int = 24
     quick: tuple[int, ...] = (4, 6)
 
     def stated(self, nu: float, cells: int, *, elements: bool = False) -> Scene:
@@ -186,6 +189,7 @@ class Pulse:
     nus: tuple[float, ...] = (0.3, 0.495)
     measures: tuple[str, ...] = ("pulse",)
     levels: tuple[int, ...] = (10, 20, 40)
+    finest: int = 80
     quick: tuple[int, ...] = (10, 20)
 
     def stated(self, nu: float, cells: int, *, elements: bool = False) -> Scene:
