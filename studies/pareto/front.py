@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import pandas as pd
@@ -57,10 +57,11 @@ def measured(rows: pd.DataFrame, most: float) -> dict[str, float]:
     """
     found = {}
     for row in rows.itertuples():
-        ratio, bound = float(row.cpu_ratio), row.bound
+        ratio = float(row.cpu_ratio)
         known = row.outcome in (*DECIDED, OPEN) and not math.isnan(ratio)
-        decides = {"": True, "at most": ratio <= most, "at least": ratio > most}
-        if row.outcome == ONLY_FEM or (known and decides.get(bound, False)):
+        # An exact ratio has no text there, which a file gives back as nan.
+        silent = {"at most": ratio > most, "at least": ratio <= most, "both bounds": True}
+        if row.outcome == ONLY_FEM or (known and not silent.get(row.bound, False)):
             name = f"{row.measure} {row.asked:.1%}"
             found[name] = math.inf if row.outcome == ONLY_FEM else ratio
     return found
@@ -84,7 +85,7 @@ def front_claims(compared: pd.DataFrame, medians: pd.DataFrame) -> Iterator[Clai
     known = [name for name in _LATTICES if name in by_name.index]
     if known:
         best = min(known, key=lambda name: (math.isnan(by_name[name]), by_name[name]))
-        for name in dict.fromkeys((best, *_only(PACKAGE.name, known))):
+        for name in dict.fromkeys([best, *(name for name in known if name == PACKAGE.name)]):
             yield Claim(
                 f"median over all comparable rows of the cost of {name} over the cheaper finite "
                 "element", float(by_name[name]), "<=", MEDIAN,
@@ -96,10 +97,6 @@ def _rank(ratios: dict[str, float], rows: pd.DataFrame, most: float) -> tuple[fl
     reached = len(ratios) + int((rows["outcome"] == ONLY_SPH).sum())
     failures = sum(value > most for value in ratios.values())
     return reached == 0, failures, -reached, max(ratios.values(), default=math.inf)
-
-
-def _only(name: str, known: Sequence[str]) -> Sequence[str]:
-    return [name] if name in known else []
 
 
 def _said(ratios: dict[str, float], rows: pd.DataFrame) -> str:
