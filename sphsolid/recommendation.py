@@ -1,10 +1,11 @@
 """Which formulation and stabilisation to use for a scene, and why.
 
 The displacement form with a restraint is the one that holds its shape in every hard case of
-``studies.stability``.  Among SUPG methods the evidence is ``recommendations.csv``, made by
-``studies.pareto``: for each Poisson's ratio the
-cheapest formulation whose error at equal particles is within a tenth of the best, on the swinging
-cube and on the twisting column.  Its materials do not depend on the cofactor.
+``studies.stability``.  What it costs and how accurate it is beside all others, and the choice among
+SUPG methods, are evidence of ``studies.pareto`` in ``recommendations.csv``.  For each Poisson's
+ratio the family ``supg`` has the cheapest formulation whose error at equal particles is within a
+tenth of the best, on the swinging cube and on the twisting column; the family ``restraint`` has the
+displacement form.  No material there depends on the cofactor.
 """
 
 from __future__ import annotations
@@ -15,6 +16,7 @@ from pathlib import Path
 
 from sphsolid.cloud.secondary import H6
 from sphsolid.defaults import default_supg, poisson_ratio
+from sphsolid.errors import require
 from sphsolid.scenes.scene import Scene, check_scene
 from sphsolid.scheme.formulation import PF, PFHJ, PFJ, Displacement, Formulation
 from sphsolid.scheme.restraint import Restraint
@@ -24,6 +26,8 @@ from sphsolid.scheme.stabilisation import NoStabilisation, Stabilisation
 RECOMMENDATIONS = Path(__file__).with_name("recommendations.csv")
 #: Rows of the table that hold for all of its scenes.
 EVERY_SCENE = "all"
+#: Families of rows; a table without that column has SUPG methods alone.
+SUPG_METHODS, RESTRAINED = "supg", "restraint"
 _FORMULATIONS: dict[str, Formulation] = {
     each.name: each for each in (PF(), PFJ(), PFHJ(), Displacement())
 }
@@ -64,11 +68,15 @@ def recommend(scene: Scene) -> Recommendation:
     Raises ``InputError`` for what is no scene.
     """
     check_scene(scene)
+    material, nu = scene.material, poisson_ratio(scene.material)
     reason = (
         "displacement form with a restraint: it holds its shape in the hard cases of "
         "studies.stability, in which positions of SUPG methods fold"
     )
-    return Recommendation(Displacement(), Restraint(), reason, NotMeasured())
+    row = NotMeasured() if material.depends_on_H else _row_of(nu, RESTRAINED)
+    if isinstance(row, Evidence):
+        reason += f"; {_numbers(row, nu)}"
+    return Recommendation(Displacement(), Restraint(), reason, row)
 
 
 def recommend_supg(scene: Scene) -> Recommendation:
@@ -86,7 +94,13 @@ def recommend_supg(scene: Scene) -> Recommendation:
             "published; studies.pareto has no such material"
         )
         return Recommendation(full, default_supg(full, material), reason, NotMeasured())
-    row = _row_of(nu)
+    row = _row_of(nu, SUPG_METHODS)
+    require(
+        isinstance(row, Evidence),
+        f"{RECOMMENDATIONS} has no row of the family {SUPG_METHODS} for every scene; copy it from "
+        "a report of studies.pareto",
+    )
+    assert isinstance(row, Evidence)
     fields = _FORMULATIONS[row.formulation]
     stabilisation: Stabilisation = NoStabilisation()
     if row.stabilisation != "none":
@@ -96,23 +110,27 @@ def recommend_supg(scene: Scene) -> Recommendation:
 
 
 def _reason(row: Evidence, nu: float) -> str:
+    words = "without stabilisation" if row.stabilisation == "none" else f"with {row.stabilisation}"
+    return f"{row.formulation} {words}: {_numbers(row, nu)}"
+
+
+def _numbers(row: Evidence, nu: float) -> str:
     tried = f"nu = {row.nu:g}"
     if abs(nu - row.nu) > 5e-4:
         tried += f" (the next tried above {nu:.4g})" if nu < row.nu else " (the largest tried)"
-    words = "without stabilisation" if row.stabilisation == "none" else f"with {row.stabilisation}"
     error = (
         "has the smallest error"
         if row.error_ratio < 1.005
         else f"has {row.error_ratio:.2f} times the smallest error"
     )
     return (
-        f"{row.formulation} {words}: in studies.pareto at {tried} it {error} at equal particles "
+        f"in studies.pareto at {tried} it {error} at equal particles "
         f"and takes {row.cpu_ratio:.2f} times the CPU time and {row.bytes_ratio:.2f} times the "
         "memory of the most accurate formulation"
     )
 
 
-def _row_of(nu: float) -> Evidence:
+def _row_of(nu: float, family: str) -> Evidence | NotMeasured:
     with RECOMMENDATIONS.open(encoding="utf-8", newline="") as file:
         rows = [
             Evidence(
@@ -124,7 +142,9 @@ def _row_of(nu: float) -> Evidence:
                 bytes_ratio=float(row["bytes_ratio"]),
             )
             for row in csv.DictReader(file)
-            if row["scene"] == EVERY_SCENE
+            if row["scene"] == EVERY_SCENE and row.get("family", SUPG_METHODS) == family
         ]
+    if not rows:
+        return NotMeasured()
     rows.sort(key=lambda row: row.nu)
     return next((row for row in rows if row.nu >= nu - 1e-9), rows[-1])

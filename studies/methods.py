@@ -192,6 +192,14 @@ def said(time: IntrinsicTime | float) -> str:
 
 #: What a user gets who chooses nothing.
 PACKAGE = Method("package default", "package default", VERMILION, "o", Particles())
+#: The package default with differences of one order along the lines of a box lattice.
+LATTICE = {
+    order: PACKAGE.but(
+        name=f"lattice order {order}", colour=colour, marker=marker,
+        operator=sph.LatticeDifference(order=order),
+    )
+    for order, colour, marker in ((2, PURPLE, "<"), (4, VERMILION, "o"), (6, ORANGE, ">"))
+}  # fmt: skip
 #: The SUPG methods as the package sets them: the self-adjoint weighting, position Verlet.
 SUPG = Method(
     "self-adjoint SUPG", "self-adjoint SUPG", GREEN, "p",
@@ -227,8 +235,10 @@ TAYLOR_HOOD = Method(
 
 METHODS: dict[str, Method] = {
     method.name: method
-    for method in (PACKAGE, SUPG, PAPER, UNSTABILISED, DISPLACEMENT, B_BAR, TAYLOR_HOOD)
-}
+    for method in (
+        PACKAGE, *LATTICE.values(), SUPG, PAPER, UNSTABILISED, DISPLACEMENT, B_BAR, TAYLOR_HOOD,
+    )
+}  # fmt: skip
 
 
 def method(name: str) -> Method:

@@ -1,8 +1,8 @@
 """Which method for which accuracy?  Error against cost of every formulation and element.
 
 ``python -m studies.pareto`` runs the swinging cube (manufactured, large strain) and the twisting
-column, both at nu = 0.3 and 0.495, with every method of ``methods.py`` on several lattices; one
-case at a time, errors on all threads, costs on one.
+column with every method of ``methods.py`` on several lattices, and the other problems of
+``problems.py`` with those of the front; one case at a time, errors on all threads, costs on one.
 """
 
 from __future__ import annotations
@@ -15,13 +15,17 @@ from typing import Any
 
 import pandas as pd
 
+import sphsolid as sph
 from studies.engine.provenance import cores
 from studies.engine.study import Case, Claim, Row, Study, Tables
 from studies.measures import folding
+from studies.measures.swinging_cube import LARGEST_GRADIENT
 from studies.measures.tables import select
-from studies.methods import B_BAR, TAYLOR_HOOD, Method
+from studies.methods import B_BAR, LATTICE, PACKAGE, TAYLOR_HOOD, Method
 from studies.pareto.choice import ENERGY_MADE, SAME_COST, WITHIN, recommendation
+from studies.pareto.equal_cost import equal_cost
 from studies.pareto.figures import drawing
+from studies.pareto.front import front_claims
 from studies.pareto.iso_error import (
     ASKED,
     CERTAIN,
@@ -29,32 +33,54 @@ from studies.pareto.iso_error import (
     DECIDED,
     EQUAL,
     FARTHEST,
-    NEVER,
+    by_method,
     counts,
     iso_table,
+    medians,
     ratios,
 )
-from studies.pareto.methods import MIXED, PFJ, PLAIN, REFERENCES, compared, goes_finest, options
+from studies.pareto.methods import (
+    MIXED,
+    PFJ,
+    PLAIN,
+    REFERENCES,
+    compared,
+    front,
+    goes_finest,
+    methods_of,
+    options,
+)
 from studies.pareto.methods import PF as P_F
+from studies.pareto.problems import (
+    COLUMN,
+    CUBE,
+    END,
+    FAIR,
+    JITTERED,
+    LINEAR,
+    LINEAR_FAIR,
+    PROBLEMS,
+    PULSE,
+    TETRAHEDRA,
+    VIBRATION,
+)
 from studies.pareto.reference import column_errors, reference
-from studies.pareto.runs import COLUMN, CUBE, LARGEST_GRADIENT, SCENES, Timing, run_case
+from studies.pareto.runs import Timing, run_case
+from studies.pareto.views import at_cost, by_error, by_scene, decided_rows, of_each
 
-POISSON = (0.3, 0.495)
-#: End of the column's run [s].
-END = 0.1
-#: Cells per metre in the full and in the short form, and of the reference of the column.
-LEVELS = {CUBE: (4, 8, 16), COLUMN: (3, 5, 10)}
-QUICK_LEVELS = {CUBE: (4, 6), COLUMN: (3, 5)}
-FINEST_CUBE, FINEST_REFERENCE, QUICK_REFERENCE = 32, 16, 6
-FULL, QUICK, UNTIMED = Timing(0.15, 5), Timing(0.03, 3), Timing(0.0, 0)
+POISSON = PROBLEMS[CUBE].nus
+#: Cells per metre of the reference of the column in the short form.
+QUICK_REFERENCE = 6
+FULL, QUICK, UNTIMED = Timing(0.1, 5), Timing(0.03, 3), Timing(0.0, 0)
 RUN = ["nu", "method", "cells"]
 #: Columns of the main table; errors are shares, costs CPU seconds of one thread and bytes.
 COLUMNS = [
-    "scene", *RUN, "solver", "formulation", "stabilisation", "projection", "integrator",
+    "scene", *RUN, "solver", "formulation", "stabilisation", "operator", "projection", "integrator",
     "particles", "steps", "evaluations_per_step", "evaluations", "end_time", "survived",
     "diverged_at", "where", "why", *folding.COLUMNS, "momentum", "stress", "stress_size",
     "twist_rms", "twist_end", "energy", "energy_kept", "twist_rms_uncertainty",
-    "twist_end_uncertainty", "cpu_s_per_s", "cpu_s_per_s_worst", "step_cpu_s", "step_cpu_spread",
+    "twist_end_uncertainty", "frequency", "frequency_uncertainty", "damping", "pulse",
+    "cpu_s_per_s", "cpu_s_per_s_worst", "step_cpu_s", "step_cpu_spread",
     "ns_per_particle_step", "repeats", "window_steps", "setup_cpu_s", "error_run_cpu_s", "bytes",
     "bytes_per_particle", "pairs", "gathered_bytes", "streamed_bytes", "multiply_adds",
     "bytes_moved_per_s",
@@ -66,9 +92,9 @@ OF_OPTIONS = [
 #: Headings of the tables of all runs.
 HEADINGS = {"method": "method", "particles": "particles", "steps": "steps"}
 SIZES = {
-    CUBE: {"momentum": "momentum", "stress": "stress", "stress_size": "size"},
-    COLUMN: {"twist_rms": "twist rms", "twist_end": "end", "energy": "energy",
-             "energy_kept": "E/E0"},
+    "momentum": "momentum", "stress": "stress", "stress_size": "size", "twist_rms": "twist rms",
+    "twist_end": "end", "energy": "energy", "energy_kept": "E/E0", "frequency": "frequency",
+    "damping": "damping", "pulse": "error",
 }  # fmt: skip
 COSTS = {
     "cpu_s_per_s": "CPU s/s", "step_cpu_spread": "spread", "ns_per_particle_step": "ns/step",
@@ -76,20 +102,22 @@ COSTS = {
 }  # fmt: skip
 
 
-def short(nu: float) -> list[Method]:
-    """One method of each family but the dearest."""
-    paper = compared(nu)[-3]
-    return [MIXED[P_F], MIXED[PFJ], PLAIN[P_F], paper, B_BAR]
+def short(scene: str, nu: float) -> tuple[Method, ...]:
+    """One method of each family but the dearest; of the problems that not everyone runs, two."""
+    if not PROBLEMS[scene].everyone:
+        return () if nu > POISSON[0] else (PACKAGE, B_BAR)
+    return PACKAGE, LATTICE[6], MIXED[P_F], MIXED[PFJ], PLAIN[P_F], compared(nu)[-3], B_BAR
 
 
 def _case(scene: str, nu: float, method: Method, cells: int, timing: Timing) -> Case:
     edge = 2 if method == TAYLOR_HOOD else 1
     on = edge * -(-cells // edge)
-    size = on**3 * (1.0 if scene == CUBE else 6.0)
-    cost = 1e-3 * size * on * (5.0 if nu > 0.4 else 1.0) * (3.0 if "H6" in method.name else 1.0)
+    cost = PROBLEMS[scene].cost(nu, on) * (3.0 if "H6" in method.name else 1.0)
     key = f"{scene} nu {nu:g} {method.name} 1/{on}" + ("" if timing.repeats else " reference")
     arguments = {"scene": scene, "nu": nu, "method": method, "cells": on, "until": END}
-    return Case(key, run_case, arguments | {"timing": timing}, cost + 0.5 * bool(timing.repeats))
+    # Windows of a timing, and at least two steps in each.
+    windows = (1.0 + timing.repeats) * max(timing.window_s, 2e-6 * on**3)
+    return Case(key, run_case, arguments | {"timing": timing}, cost + windows)
 
 
 def cases(given: argparse.Namespace) -> list[Case]:
@@ -100,19 +128,19 @@ def cases(given: argparse.Namespace) -> list[Case]:
 
 def _all(quick: bool) -> Iterator[Case]:
     timing = QUICK if quick else FULL
-    for scene in SCENES:
-        for nu in POISSON:
-            for method in short(nu) if quick else compared(nu):
-                levels = (QUICK_LEVELS if quick else LEVELS)[scene]
-                if scene == CUBE and not quick and goes_finest(method, nu):
-                    levels = (*levels, FINEST_CUBE)
+    for scene, problem in PROBLEMS.items():
+        for nu in problem.nus:
+            for method in short(scene, nu) if quick else methods_of(scene, nu):
+                levels = problem.quick if quick else problem.levels
+                if not quick and goes_finest(scene, method, nu):
+                    levels = (*levels, problem.finest)
                 for cells in levels:
                     yield _case(scene, nu, method, cells, timing)
     for nu in POISSON:
         for method in () if quick and nu > POISSON[0] else options():
-            yield _case(CUBE, nu, method, QUICK_LEVELS[CUBE][0] if quick else 16, timing)
+            yield _case(CUBE, nu, method, PROBLEMS[CUBE].quick[0] if quick else 16, timing)
         for method in REFERENCES:
-            cells = QUICK_REFERENCE if quick else FINEST_REFERENCE
+            cells = QUICK_REFERENCE if quick else PROBLEMS[COLUMN].finest
             yield _case(COLUMN, nu, method, cells, UNTIMED)
 
 
@@ -120,14 +148,16 @@ def warm_up(given: argparse.Namespace) -> list[Case]:
     """Tiny runs that compile every kernel of the study."""
     tiny = [
         _case(scene, POISSON[1], method, 2, Timing(1e-3, 1))
-        for method in compared(POISSON[1]) for scene in SCENES
+        for scene in (CUBE, COLUMN, JITTERED, TETRAHEDRA)
+        for method in methods_of(scene, POISSON[1])
     ]  # fmt: skip
     return [Case(each.key, each.run, dict(each.arguments) | {"until": 2e-3}) for each in tiny]
 
 
 def tables(rows: list[Row]) -> Tables:
-    """``table``, ``iso_error``, ``ratios`` (and those of stabilised particles alone), ``options``,
-    ``recommendation``, ``reference`` and ``history``.
+    """``table``, ``iso_error``, ``ratios`` (and those of stabilised particles alone),
+    ``by_method`` with ``medians``, ``equal_cost``, ``options``, ``recommendation``, ``reference``
+    and ``history``.
     """
     everything = pd.DataFrame(rows, columns=["kind", *RUN] if not rows else None)
     of_history = ["scene", *RUN, "time [s]", "twist [rad]", "energy [J]"]
@@ -137,11 +167,15 @@ def tables(rows: list[Row]) -> Tables:
     table = main_table(runs, column_errors(history, known))
     of_compared = [method.name for method in compared(POISSON[0])]
     iso = iso_table(table[table["method"].isin(of_compared)])
+    alone = by_method(iso)
     return {
         "table": table,
         "iso_error": iso,
         "ratios": ratios(iso),
         "ratios_stabilised": ratios(iso[iso["stabilisation"] != "none"]),
+        "by_method": alone,
+        "medians": medians(alone),
+        "equal_cost": equal_cost(table),
         "options": options_table(table),
         "recommendation": recommendation(table),
         "reference": known,
@@ -153,7 +187,8 @@ def main_table(runs: pd.DataFrame, errors: pd.DataFrame) -> pd.DataFrame:
     """One row a run in :data:`COLUMNS`; runs that only serve as reference have no cost."""
     if len(runs) == 0:
         return pd.DataFrame(columns=COLUMNS)
-    table = runs.merge(errors, on=RUN, how="left").reindex(columns=COLUMNS)
+    errors = errors.assign(scene=COLUMN)
+    table = runs.merge(errors, on=["scene", *RUN], how="left").reindex(columns=COLUMNS)
     table[["where", "why"]] = table[["where", "why"]].fillna("")
     per_second = table["steps"] / table["end_time"]
     per_evaluation = table["gathered_bytes"] + table["streamed_bytes"]
@@ -178,16 +213,19 @@ def options_table(table: pd.DataFrame) -> pd.DataFrame:
 
 
 def claims(tables: Tables) -> list[Claim]:
-    """SPH against FEM, scene by scene: in how many decided comparisons it costs less."""
-    found = []
+    """What was asked of lattices; SPH against FEM, problem by problem: how often it costs less."""
+    found = [*front_claims(tables["by_method"], tables["medians"])]
     for name, what in (("ratios", "any particles"), ("ratios_stabilised", "stabilised particles")):
         for (scene, nu), part in tables[name].groupby(["scene", "nu"], sort=False):
-            outcome = part["outcome"]
+            if name == "ratios_stabilised" and not PROBLEMS[scene].everyone:
+                # All particles there are.
+                continue
+            outcome, where = part["outcome"], f"{PROBLEMS[scene].title}, nu = {nu:g}"
             decided = int(outcome.isin(DECIDED).sum())
             found.append(
                 Claim.counted(
                     f"at equal error {what} cost less CPU time than FEM",
-                    int((outcome == CHEAPER).sum()), decided, where=f"{scene}, nu = {nu:g}",
+                    int((outcome == CHEAPER).sum()), decided, where=where,
                     wanted="all that can be compared",
                 )
             )  # fmt: skip
@@ -196,19 +234,28 @@ def claims(tables: Tables) -> list[Claim]:
 
 def words(tables: Tables) -> Mapping[str, Any]:
     """Thresholds, what the comparisons came to, and the tables by scene and Poisson's ratio."""
-    table, iso, known = tables["table"], tables["iso_error"], tables["reference"]
+    table, known, alone = tables["table"], tables["reference"], tables["by_method"]
     even = (50.0 * known["time [s]"]).round(6) % 1.0 == 0.0
-    names = [method.name for method in compared(POISSON[0])]
-    parts = [
-        {
-            "scene": scene, "nu": nu, "columns": HEADINGS | SIZES[scene] | COSTS,
-            "iso": select(iso[iso["how"] != NEVER], scene=scene, nu=nu),
-            "runs": select(table[table["method"].isin(names)], scene=scene, nu=nu),
-        }
-        for scene in SCENES for nu in POISSON
-    ]  # fmt: skip
+    parts = []
+    for scene, problem in PROBLEMS.items():
+        for nu in problem.nus:
+            names = [method.name for method in methods_of(scene, nu)]
+            runs = select(table[table["method"].isin(names)], scene=scene, nu=nu)
+            own = {name: of for name, of in SIZES.items() if runs[name].notna().any()}
+            if len(runs):
+                parts.append(
+                    {"title": problem.title, "nu": nu, "runs": runs,
+                     "columns": HEADINGS | own | COSTS}
+                )  # fmt: skip
+    shown = [method for nu in POISSON for method in front(nu)]
     return {
         "parts": parts, "some": counts(tables["ratios"]),
+        "decided": decided_rows(tables["ratios"]), "each": by_error(alone),
+        "by_scene": by_scene(alone),
+        "same_cost_errors": at_cost(tables["equal_cost"]), "of_each": of_each(tables["medians"]),
+        "ratio_formats": {"nu": "g"} | {method.name: ".2f" for method in shown},
+        "error_formats": {"nu": "g", "1/h": ".0f"} | {method.name: ".1e" for method in shown},
+        "default": PACKAGE.name, "lattice": LATTICE[sph.LatticeDifference().order].name,
         "stabilised": counts(tables["ratios_stabilised"]), "nus": POISSON, "asked": ASKED,
         "equal": EQUAL, "certain": CERTAIN, "farthest": FARTHEST, "within": WITHIN,
         "same_cost": SAME_COST, "energy_made": ENERGY_MADE, "end": END,
@@ -228,7 +275,11 @@ STUDY = Study(
     tables=tables,
     claims=claims,
     figures={
-        "pareto": partial(drawing, ((CUBE, "momentum"), (COLUMN, "twist_rms")), _TIME),
+        "pareto": partial(drawing, ((FAIR, "stress"), (COLUMN, "twist_rms")), _TIME),
+        "fair_time": partial(drawing, ((FAIR, "momentum"), (FAIR, "stress")), _TIME),
+        "linear_time": partial(drawing, ((LINEAR_FAIR, "stress"), (LINEAR, "stress")), _TIME),
+        "clouds_time": partial(drawing, ((JITTERED, "stress"), (TETRAHEDRA, "stress")), _TIME),
+        "waves_time": partial(drawing, ((VIBRATION, "frequency"), (PULSE, "pulse")), _TIME),
         "cube_time": partial(drawing, ((CUBE, "momentum"), (CUBE, "stress")), _TIME),
         "cube_memory": partial(drawing, ((CUBE, "momentum"), (CUBE, "stress")), _MEMORY),
         "column_time": partial(drawing, ((COLUMN, "twist_rms"), (COLUMN, "energy")), _TIME),
@@ -239,5 +290,5 @@ STUDY = Study(
     text=Path(__file__).with_name("pareto.md"),
     arguments=arguments,
     warm_up=warm_up,
-    description="Error against CPU time and memory of SPH and FEM on two scenes.",
+    description="Error against CPU time and memory of SPH and FEM.",
 )

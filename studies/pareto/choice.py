@@ -1,5 +1,9 @@
 """Which formulation and stabilisation to use: the cheapest that is about as accurate as the best.
 
+Rows of the family ``supg`` are such choices among the SUPG methods.  Those of the family
+``restraint`` choose nothing: they say what the package default, which holds its shape where SUPG
+methods fold (``studies.stability``), is beside all of them.
+
 Methods are compared at equal particles, on the finest lattice that all of them were run on.  One
 whose error is within :data:`WITHIN` of the best *in every measure* may be chosen; of these the
 cheapest in CPU seconds per physical second is, and where costs are within :data:`SAME_COST` the
@@ -13,7 +17,9 @@ import numpy as np
 import pandas as pd
 
 from studies.measures.folding import sound
+from studies.methods import PACKAGE, Method
 from studies.pareto.methods import CANDIDATES
+from studies.pareto.problems import COLUMN, CUBE, FAIR
 
 WITHIN = 0.10
 #: Timings of a shared machine tell no less apart.
@@ -21,23 +27,32 @@ SAME_COST = 0.15
 #: Share of its energy that a method may make.
 ENERGY_MADE = 0.01
 #: What is compared in each scene: one measure a field, none twice.
-JUDGED = {"cube": ("momentum", "stress"), "column": ("twist_rms",)}
+JUDGED = {
+    CUBE: ("momentum", "stress"), FAIR: ("momentum", "stress"), COLUMN: ("twist_rms",),
+}  # fmt: skip
+#: The scenes of a family, and who is compared there.  A start at full displacement is not fair to a
+#: method without damping.
+FAMILIES: dict[str, tuple[tuple[str, ...], tuple[Method, ...]]] = {
+    "supg": ((CUBE, COLUMN), CANDIDATES), "restraint": ((FAIR, COLUMN), (PACKAGE, *CANDIDATES)),
+}  # fmt: skip
 NAMES = ["method", "formulation", "stabilisation"]
 CHOICES = ["scene", "nu", *NAMES, "error_ratio", "cpu_s_per_s", "bytes", "particles", "compared"]
 COLUMNS = [
-    "scene", "nu", "formulation", "stabilisation", "error_ratio", "cpu_ratio", "bytes_ratio",
-    "particles", "compared",
+    "family", "scene", "nu", "formulation", "stabilisation", "error_ratio", "cpu_ratio",
+    "bytes_ratio", "particles", "compared",
 ]  # fmt: skip
 
 
-def error_ratios(table: pd.DataFrame) -> pd.DataFrame:
+def error_ratios(table: pd.DataFrame, family: str) -> pd.DataFrame:
     """One row per scene, nu and candidate: its worst error over the best, and its costs.
 
     ``error_ratio`` is ``inf`` for a method that is no choice; costs are those of a run.
     """
     found = []
-    names = [method.name for method in CANDIDATES]
-    shown = table[table["method"].isin(names) & table["cpu_s_per_s"].notna()]
+    scenes, candidates = FAMILIES[family]
+    names = [method.name for method in candidates]
+    shown = table[table["method"].isin(names) & table["scene"].isin(scenes)]
+    shown = shown[shown["cpu_s_per_s"].notna()]
     for (scene, _), part in shown.groupby(["scene", "nu"], sort=False):
         counts = part.groupby("particles")["method"].nunique()
         runs = part[part["particles"] == counts[counts == counts.max()].index.max()]
@@ -87,21 +102,23 @@ def chosen(candidates: pd.DataFrame) -> pd.Series | None:
 
 
 def recommendation(table: pd.DataFrame) -> pd.DataFrame:
-    """One row per scene and nu, and one per nu over all scenes.
+    """One row per family, scene and nu, and one per family and nu over all of its scenes.
 
     ``error_ratio``: worst error over the best candidate's; ``cpu_ratio`` and ``bytes_ratio``: cost
     over that of the most accurate candidate.
     """
-    by_scene = error_ratios(table)
     rows = []
-    for frame in (by_scene, over_all_scenes(by_scene)):
-        for _, candidates in frame.reset_index(drop=True).groupby(["scene", "nu"], sort=False):
-            taken = chosen(candidates)
+    for family in FAMILIES:
+        by_scene = error_ratios(table, family)
+        both = pd.concat([by_scene, over_all_scenes(by_scene)], ignore_index=True)
+        for _, candidates in both.groupby(["scene", "nu"], sort=False):
+            sure = candidates[candidates["method"] == PACKAGE.name]
+            taken = chosen(candidates if family == "supg" else sure)
             if taken is not None:
                 best = candidates.loc[candidates["error_ratio"].idxmin()]
                 ratios = {
                     "cpu_ratio": taken["cpu_s_per_s"] / best["cpu_s_per_s"],
                     "bytes_ratio": taken["bytes"] / best["bytes"],
                 }
-                rows.append(dict(taken) | ratios)
+                rows.append({"family": family} | dict(taken) | ratios)
     return pd.DataFrame(rows, columns=COLUMNS)

@@ -10,6 +10,8 @@ values gathered through an index list and the multiply-adds done with them,
 
     particles:  gradient of v, force, geometry for the projection; at the secondary particles the
                 fine-scale stress and back; with tau_p the residual of momentum and back;
+    restraint:  F and force; positions and velocities of the near pairs, or of the lines of a
+                lattice, with F and its rate of the pairs, and back;
     elements:   positions of the nodes, deformation and force at the Gauss points, and back;
 
 and the fields that are streamed through, whose number a formulation decides: value, rate and start
@@ -26,6 +28,7 @@ import numpy as np
 
 import fem_reference as fem
 import sphsolid as sph
+from sphsolid.geometry.edges import edges_of
 
 #: Bytes of a number.
 REAL = 8
@@ -123,6 +126,8 @@ def counted_work(sim: Any) -> Work:
         return _of_elements(sim)
     cloud, fields = sim.cloud, sim.formulation
     pairs = cloud.size * cloud.kinematic.mean_neighbours
+    if isinstance(sim.stabilisation, sph.Restraint):
+        return _of_restraint(sim, pairs)
     # grad v, div P; F_x for the projection, and F itself where it is not evolved.
     work = Work.of(pairs, 3, 9) + Work.of(pairs, 9, 9)
     projects = isinstance(sim.angular_momentum, sph.LocalProjection)
@@ -132,6 +137,16 @@ def counted_work(sim: Any) -> Work:
         work += _of_stabilisation(sim)
     evolved = 6 + 9 * fields.evolves_F + 9 * fields.evolves_H + fields.evolves_J
     return work + Work(0.0, 0.0, 0.0, REAL * (3.0 * evolved + 9.0) * cloud.size)
+
+
+def _of_restraint(sim: sph.Simulation, pairs: float) -> Work:
+    size = sim.cloud.size
+    fields = Work(0.0, 0.0, 0.0, REAL * (3.0 * 6.0 + 9.0) * size)
+    if isinstance(sim.cloud.kind, sph.LatticeDifference):
+        # Along its line a neighbour gives one column of F and takes one of P; five of them a line.
+        return fields + Work.of(pairs, 6, 6) + Work.of(3.0 * 5.0 * size, 9, 9)
+    near = 2.0 * len(edges_of(sim.cloud.mesh).a)
+    return fields + Work.of(pairs, 12, 18) + Work.of(near, 3 + 3 + 9 + 9 + 12, 45)
 
 
 def _of_stabilisation(sim: sph.Simulation) -> Work:

@@ -8,7 +8,18 @@ from typing import Any
 import sphsolid as sph
 from sphsolid.defaults import NEARLY_INCOMPRESSIBLE
 from sphsolid.scheme.formulation import Formulation
-from studies.methods import B_BAR, DISPLACEMENT, PAPER, SUPG, TAYLOR_HOOD, UNSTABILISED, Method
+from studies.methods import (
+    B_BAR,
+    DISPLACEMENT,
+    LATTICE,
+    PACKAGE,
+    PAPER,
+    SUPG,
+    TAYLOR_HOOD,
+    UNSTABILISED,
+    Method,
+)
+from studies.pareto.problems import CUBE, FAIR, LINEAR_FAIR, PROBLEMS, PULSE, VIBRATION
 
 MARKERS = {sph.PF(): "o", sph.PFJ(): "^", sph.PFHJ(): "s"}
 PF, PFJ, PFHJ = MARKERS
@@ -23,23 +34,49 @@ def _of(base: Method, formulation: Formulation, line: str = "", **changes: Any) 
 MIXED = {formulation: _of(SUPG, formulation) for formulation in MARKERS}
 DENSE = {formulation: _of(SUPG, formulation, "--", secondary=H6) for formulation in MARKERS}
 PLAIN = {formulation: _of(UNSTABILISED, formulation) for formulation in MARKERS}
-#: What may be recommended: the package's integrator and projection, any formulation.
+#: Differences along the lines of a lattice: the default's order, and the others.
+LATTICES = (
+    PACKAGE,
+    *(method for order, method in LATTICE.items() if order != sph.LatticeDifference().order),
+    # An integrator of order four: LATTICE[6].but(integrator=sph....(), line="--").
+)
+#: The SUPG methods among which one is recommended: the package's integrator and projection.
 CANDIDATES = (*MIXED.values(), DENSE[PF], DENSE[PFJ], PLAIN[PF], DISPLACEMENT)
 #: Methods whose limits make the reference of the column, one of each kind.
 REFERENCES = (B_BAR, MIXED[PFJ])
 
 
-def compared(nu: float) -> tuple[Method, ...]:
-    """Every method at a Poisson's ratio, on which the paper's ``tau_p`` depends."""
+def papers(nu: float) -> tuple[Method, ...]:
+    """The paper's, whose ``tau_p`` depends on Poisson's ratio."""
     tau_p = sph.OfStep(0.1 if nu >= NEARLY_INCOMPRESSIBLE else 0.0)
+    with_J = _of(PAPER, PFJ)
+    return _of(PAPER, PF), with_J.but(name=with_J.name, tau_p=tau_p)
+
+
+def compared(nu: float) -> tuple[Method, ...]:
+    """Every method at a Poisson's ratio."""
     return (
+        *LATTICES,
         *CANDIDATES,
         *(_of(SUPG, fields, ":", integrator=sph.SSPRK3()) for fields in (PF, PFJ)),
-        _of(PAPER, PF),
-        _of(PAPER, PFJ).but(name=_of(PAPER, PFJ).name, tau_p=tau_p),
+        *papers(nu),
         B_BAR,
         TAYLOR_HOOD,
     )
+
+
+def front(nu: float) -> tuple[Method, ...]:
+    """What the figures show."""
+    return *LATTICES, MIXED[PF], MIXED[PFJ], papers(nu)[1], B_BAR, TAYLOR_HOOD
+
+
+def methods_of(scene: str, nu: float) -> tuple[Method, ...]:
+    """Who runs a problem.  Off the lattice: B-bar elements alone, on as many nodes."""
+    problem = PROBLEMS[scene]
+    if not problem.on_lattice:
+        return PACKAGE, MIXED[PF], MIXED[PFJ], B_BAR
+    paper = papers(nu)[1]
+    return compared(nu) if problem.everyone else tuple(m for m in front(nu) if m != paper)
 
 
 def options() -> tuple[Method, ...]:
@@ -50,7 +87,16 @@ def options() -> tuple[Method, ...]:
     return (*itertools.chain(*zip(kinds, unprojected, strict=True)), DISPLACEMENT)
 
 
-def goes_finest(method: Method, nu: float) -> bool:
-    """Whether a method is run on the cube's finest lattice, the dearest runs of the study."""
-    fields = (PFJ,) if nu >= 0.45 else (PF, PFJ)
-    return method in (B_BAR, TAYLOR_HOOD, *(MIXED[each] for each in fields))
+def goes_finest(scene: str, method: Method, nu: float) -> bool:
+    """Whether a method is run on the finest lattice of a problem, the dearest runs of the study.
+
+    Elements need it to reach a thousandth, and to cost what particles do; the linear limit has no
+    loads and is cheaper.
+    """
+    if scene == CUBE:
+        fields = (PFJ,) if nu >= 0.45 else (PF, PFJ)
+        return method in (B_BAR, TAYLOR_HOOD, *(MIXED[each] for each in fields))
+    if scene == LINEAR_FAIR and nu < 0.45:
+        return method in (B_BAR, TAYLOR_HOOD, *LATTICES)
+    others = scene in (FAIR, LINEAR_FAIR, VIBRATION, PULSE) and nu < 0.499
+    return others and method in (B_BAR, TAYLOR_HOOD)

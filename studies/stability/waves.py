@@ -114,15 +114,10 @@ def _solved(poisson_ratio: float, count: int) -> tuple[float, Basis, Array]:
 # --- runs ---------------------------------------------------------------------------------------
 
 
-def vibration(*, method: Method, nu: float, cells: int) -> list[Row]:
-    """The clamped block's lowest bending mode, started as it is, for :data:`PERIODS` periods.
-
-    ``energy_left`` over that at the start; ``damping_ratio = -ln(energy_left) / (2 omega t)``;
-    ``frequency_error`` relative to the limit of quadratic elements, from the passages through rest.
-    Of a run that diverged, what there was at its last record, and no frequency.
-    """
+def vibrating_block(nu: float) -> Scene:
+    """The clamped block in its lowest bending mode, for :data:`PERIODS` periods."""
     mode = lowest_mode(nu)
-    scene = Scene(
+    return Scene(
         name="vibrating_block",
         body=Box((0.0, 0.0, 0.0), (WIDTH, HEIGHT, WIDTH)),
         material=solid(nu),
@@ -131,28 +126,41 @@ def vibration(*, method: Method, nu: float, cells: int) -> list[Row]:
         constraints=(Constraint("Y-", "all"),),
         provenance="Ours: the lowest mode of the column's solid.",
     )
-    solver = method.simulation(scene, spacing=1.0 / cells)
+
+
+def vibration(*, method: Method, nu: float, cells: int) -> list[Row]:
+    """The clamped block's lowest bending mode, started as it is, for :data:`PERIODS` periods."""
+    solver = method.simulation(vibrating_block(nu), spacing=1.0 / cells)
+    named = {"part": "vibration", "method": method.name, "nu": nu, "cells": cells}
+    return [named | vibration_of(solver, nu)]
+
+
+def vibration_of(solver: Any, nu: float) -> Row:
+    """Run ``solver`` of :func:`vibrating_block` to its end.
+
+    ``energy_left`` over that at the start; ``damping_ratio = -ln(energy_left) / (2 omega t)``;
+    ``frequency_error`` relative to the limit of quadratic elements, from the passages through rest.
+    Of a run that diverged, what there was at its last record, and no frequency.
+    """
+    mode = lowest_mode(nu)
     shape = mode(solver.placement().mesh.vertices)
 
     def modal(shot: Snapshot) -> float:
         weight = shot.V[:, None] * shape
         return float(np.sum(weight * shot.velocity) / np.sum(weight * shape))
 
-    end = scene.end_time
+    end = solver.scene.end_time
     every = end / (PERIODS * RECORDS_A_PERIOD)
     ran = run(solver, until=end, every=every, record=[Energy(), Measured({"modal": modal})])
     energy, t = ran.history["total_energy [J]"].to_numpy(), ran.history["time [s]"].to_numpy()
     left = float(energy[-1] / energy[0])
     omega = _frequency(t, ran.history["modal"].to_numpy()) if ran.survived else math.nan
-    return [
-        {
-            "part": "vibration", "method": method.name, "nu": nu, "cells": cells,
-            "omega": omega, "omega_reference": mode.limit, "omega_finest": mode.omega,
-            "frequency_error": omega / mode.limit - 1.0, "energy_left": left,
-            "damping_ratio": -math.log(max(left, 1e-300)) / (2.0 * mode.limit * end),
-            **ran.columns(),
-        }
-    ]  # fmt: skip
+    return {
+        "omega": omega, "omega_reference": mode.limit, "omega_finest": mode.omega,
+        "frequency_error": omega / mode.limit - 1.0, "energy_left": left,
+        "damping_ratio": -math.log(max(left, 1e-300)) / (2.0 * mode.limit * end),
+        **ran.columns(),
+    }  # fmt: skip
 
 
 def _frequency(t: Array, q: Array) -> float:
@@ -193,41 +201,57 @@ class Pulse:
         return field
 
 
-def pulse(*, method: Method, nu: float, cells: int) -> list[Row]:
-    """A velocity pulse that runs along a bar held at its sides, by :data:`TRAVEL` spacings.
+def pulse_wave(nu: float, h: float) -> Pulse:
+    """The exact solution of :func:`pulse_in_a_bar`."""
+    return Pulse(reference_p_wave_speed(solid(nu)), PULSE_WIDTH * h, START * h)
 
-    In the linear limit it keeps its shape, ``v = f(X - c_p t)``.  ``energy_left`` over that at the
-    start; ``width`` of ``v^2`` (root mean square about its centre) and ``lag`` of its centre, in
-    spacings, and ``error``: root mean square of ``v`` less the exact one, over the exact one.
+
+def pulse_in_a_bar(nu: float, h: float, *, across: float | None = None) -> Scene:
+    """A velocity pulse in a bar held at its sides, as :data:`TRAVEL` lengths of ``h`` [m] take.
+
+    In the linear limit it keeps its shape, ``v = f(X - c_p t)``.  The bar is :data:`ACROSS` lengths
+    of ``across`` [m] wide, of ``h`` where nothing is said.
     """
-    h, material = 1.0 / cells, solid(nu)
-    speed = reference_p_wave_speed(material)
-    wave = Pulse(speed, PULSE_WIDTH * h, START * h)
-    scene = Scene(
+    wave = pulse_wave(nu, h)
+    wide = ACROSS * (h if across is None else across)
+    return Scene(
         name="pulse_in_a_bar",
-        body=Box((0.0, 0.0, 0.0), (BAR * h, ACROSS * h, ACROSS * h)),
-        material=material,
-        end_time=TRAVEL * h / speed,
+        body=Box((0.0, 0.0, 0.0), (BAR * h, wide, wide)),
+        material=solid(nu),
+        end_time=TRAVEL * h / wave.speed,
         initial_velocity=lambda X: wave.velocity(X, 0.0),
         initial_displacement=wave.displacement,
         constraints=tuple(Constraint(face, "normal") for face in ("Y-", "Y+", "Z-", "Z+")),
         provenance="Ours: d'Alembert's solution in the linear limit.",
     )
-    solver = method.simulation(scene, spacing=h)
-    ran = run(solver, until=scene.end_time, every=scene.end_time, record=[Energy()])
+
+
+def pulse(*, method: Method, nu: float, cells: int) -> list[Row]:
+    """A pulse three spacings wide that runs along a bar by :data:`TRAVEL` spacings."""
+    h = 1.0 / cells
+    named = {"part": "pulse", "method": method.name, "nu": nu, "cells": cells}
+    return [named | pulse_of(method.simulation(pulse_in_a_bar(nu, h), spacing=h), nu, h)]
+
+
+def pulse_of(solver: Any, nu: float, h: float) -> Row:
+    """Run ``solver`` of :func:`pulse_in_a_bar` to its end.
+
+    ``energy_left`` over that at the start; ``width`` of ``v^2`` (root mean square about its centre)
+    and ``lag`` of its centre, in lengths of ``h`` [m], and ``error``: root mean square of ``v``
+    less the exact one, over the exact one.
+    """
+    until = solver.scene.end_time
+    ran = run(solver, until=until, every=until, record=[Energy()])
     energy, end = ran.history["total_energy [J]"].to_numpy(), solver.snapshot()
-    v, exact = end.velocity[:, 0], wave.velocity(end.X, end.time)[:, 0]
+    v, exact = end.velocity[:, 0], pulse_wave(nu, h).velocity(end.X, end.time)[:, 0]
     centre, width = _spread(end.X[:, 0], end.V * v**2)
     right, narrow = _spread(end.X[:, 0], end.V * exact**2)
-    return [
-        {
-            "part": "pulse", "method": method.name, "nu": nu, "cells": cells,
-            "energy_left": float(energy[-1] / energy[0]), "width": width / h,
-            "width_reference": narrow / h, "lag": (right - centre) / h,
-            "error": float(np.sqrt(np.sum(end.V * (v - exact) ** 2) / np.sum(end.V * exact**2))),
-            **ran.columns(),
-        }
-    ]  # fmt: skip
+    return {
+        "energy_left": float(energy[-1] / energy[0]), "width": width / h,
+        "width_reference": narrow / h, "lag": (right - centre) / h,
+        "error": float(np.sqrt(np.sum(end.V * (v - exact) ** 2) / np.sum(end.V * exact**2))),
+        **ran.columns(),
+    }  # fmt: skip
 
 
 def _spread(X: Array, weight: Array) -> tuple[float, float]:

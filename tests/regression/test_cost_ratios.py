@@ -18,7 +18,7 @@ import pytest
 from studies.pareto import POISSON
 from studies.pareto.cost import counted_work, evaluations_per_step
 from studies.pareto.methods import compared
-from studies.pareto.runs import CUBE, timed
+from studies.pareto.problems import CUBE, timed
 
 RECORDED = tomllib.loads((Path(__file__).parent / "cost_ratios.toml").read_text(encoding="utf-8"))
 KINDS = ("gathered", "streamed", "multiply_adds")

@@ -195,6 +195,28 @@ def test_initial_state_is_the_wave_at_time_zero(family):
     np.testing.assert_array_equal(v, 0.0)
 
 
+@pytest.mark.parametrize("manufactured", [False, True])
+def test_a_moving_start_is_the_same_wave_a_quarter_of_its_period_later(family, manufactured):
+    options = {"family": family, "amplitude": 0.05, "manufactured": manufactured}
+    still, moving = (swinging_cube(start=s, **options).exact for s in ("displaced", "moving"))
+    t = 0.13 * still.period
+    for field in ("displacement", "velocity", "displacement_gradient", "first_piola", "body_force"):
+        ours = getattr(moving, field)(POINTS, t)
+        theirs = getattr(still, field)(POINTS, t - 0.25 * still.period)
+        np.testing.assert_allclose(ours, theirs, atol=1e-11 * np.max(np.abs(theirs)))
+
+
+def test_a_moving_start_has_no_displacement_and_no_strain(family):
+    scene = swinging_cube(family=family, start="moving")
+    u, v = scene.initial_state(POINTS)
+    np.testing.assert_array_equal(u, 0.0)
+    np.testing.assert_array_equal(scene.exact.deformation_gradient(POINTS, 0.0) - np.eye(3), 0.0)
+    np.testing.assert_array_equal(v, scene.exact.velocity(POINTS, 0.0))
+    assert np.abs(v).max() > 0.0
+    with pytest.raises(InputError, match="'displaced' or 'moving'"):
+        swinging_cube(start="late")
+
+
 def test_scales_are_norms_of_the_amplitude(family):
     """Gauss quadrature of the largest momentum component, and the stress scale of the text."""
     scene = swinging_cube(family=family, amplitude=0.01)
