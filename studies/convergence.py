@@ -23,8 +23,14 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 import sphsolid as sph
-from sphsolid.defaults import H_OVER_DX_LATTICE, default_cfl, default_integrator
+from sphsolid.defaults import (
+    H_OVER_DX_LATTICE,
+    default_cfl,
+    default_integrator,
+    default_operator,
+)
 from sphsolid.errors import require
+from sphsolid.scenes import Box
 from studies.engine.plotting import Curve, convergence_panel, outside_legend, panels
 from studies.engine.study import Case, Claim, Results, Row, Study, Tables, run_study
 from studies.measures import folding
@@ -430,7 +436,8 @@ def words(tables: Tables) -> Mapping[str, Any]:
         "nu": NU, "near": NEARLY_INCOMPRESSIBLE, "rubber": RUBBER, "nearer": NEARER,
  "xi_F": PAPER_XI_F, "tau_p": PAPER_TAU_P,
         "cfl": CFL, "package_cfl": default_cfl(default_integrator()),
-        "integrator": default_integrator().name, "default_operator": sph.LatticeDifference().name,
+        "integrator": default_integrator().name,
+        "default_operator": default_operator(Box().mesh(0.125), restrained=True).name,
         "support": H_OVER_DX_LATTICE * sph.WendlandC2().support,
     }  # fmt: skip
 
