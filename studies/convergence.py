@@ -2,8 +2,8 @@
 
 The swinging cube by the package default, by self-adjoint SUPG, by the paper's scheme with every
 formulation, choice of secondary points and operator, by displacement SPH and by B-bar elements: in
-the linear limit and at large strain, both families of exact solutions, and near incompressibility.  With ``--cloud`` it
-hands over to ``studies.clouds``.
+the linear limit and at large strain, both families of exact solutions, and near incompressibility.
+With ``--cloud`` it hands over to ``studies.clouds``.
 """
 
 from __future__ import annotations
@@ -133,7 +133,7 @@ ASKED = {
 }
 #: Poisson's ratios beside it at which the same slopes are asked of the package default.
 ALSO_SLOPES = (RUBBER, NEARLY_INCOMPRESSIBLE)
-#: Asked of it: largest component errors of momentum and stress at 17^3 in the linear limit, A+B+C=0.
+#: Asked of it: largest component errors of momentum and stress at 17^3, linear limit, A+B+C=0.
 DEFAULT_ERRORS = {NU: (4.5e-3, 1.1e-2), RUBBER: (4.5e-3, 1.3e-2)}
 #: Asked of every slope of the elements and at nu = 0.499, and of p_x there.
 SLOPE, ERROR_NEAR = 1.95, 3.2e-3
@@ -164,7 +164,10 @@ def _case(method: Method, cells: int, scene: str, family: str, nu: float = NU) -
     stiffer = {NU: 1.0, RUBBER: 5.2, NEARLY_INCOMPRESSIBLE: 11.5, NEARER: 36.0}
     cost = cells**4 * stiffer[nu] * (0.55 if family == "A=B=C" else 1.0)
     cost *= 1.6 if scene == "manufactured" else 1.0
-    usual = {PACKAGE.name: 0.2, SUPG.name: 0.3, CLASSICAL.name: 0.6, CLASSICAL_LITERAL.name: 0.6, B_BAR.name: 0.6}
+    usual = {
+        PACKAGE.name: 0.2, SUPG.name: 0.3, CLASSICAL.name: 0.6, CLASSICAL_LITERAL.name: 0.6,
+        B_BAR.name: 0.6,
+    }  # fmt: skip
     cost *= 2.3 if "H6" in method.name else usual.get(method.name, 1.0)
     arguments = {
         "method": method, "scene": scene, "family": family, "poisson_ratio": nu, "cells": cells,

@@ -274,7 +274,7 @@ def claims(tables: Tables) -> list[Claim]:
             diverged = float((~mine["survived"].astype(bool)).sum())
             at_most(f"{cloud}: runs that diverged", diverged, 0.0)
             at_most(f"{cloud}: runs that folded", float(folding.has_folded(mine).sum()), 0.0)
-        found += _of_the_default(runs, f"{cells} cells a metre, {PACKAGE.name}")
+        found.extend(_of_the_default(runs, f"{cells} cells a metre, {PACKAGE.name}"))
         share = _noise(runs, POINTS, SUPG) / _noise(runs, POINTS, BARE)
         if not math.isnan(share):
             at_most("points: noise over that without stabilisation", share, SMOOTH)
@@ -322,7 +322,7 @@ def noise_figure(results: Results) -> Figure:
             if len(mine):
                 mean = mine.groupby("time")["noise"].mean()
                 label = _heading(cloud, method).replace("\n", " ")
-                look = {"color": _COLOURS[cloud], "linestyle": method.line}
+                look: dict[str, Any] = {"color": _COLOURS[cloud], "linestyle": method.line}
                 if method == PACKAGE:
                     look |= {"marker": PACKAGE.marker, "markersize": 2.8, "linewidth": 0.9}
                 ax.plot(1e3 * mean.index, mean, label=label, **look)

@@ -55,7 +55,7 @@ class Generated:
 
 @dataclass(frozen=True)
 class Scattered:
-    """The particles of a disordered cube without its cells: positions, and triangles around them."""
+    """The particles of a disordered cube without its cells: positions in a surface."""
 
     jitter: float
 

@@ -1,10 +1,10 @@
 """What is kept: momenta and energy of the L-shaped block and of the spinning cube.
 
-``python -m studies.conservation`` runs the second example of [Lee2017] section 8.1 (Figs. 6 to 8:
-a free block kicked by two opposite tractions) in the paper's setting with every formulation, H1 and
+``python -m studies.conservation`` runs the second example of [Lee2017] section 8.1 (Figs. 6 to 8: a
+free block kicked by two opposite tractions) in the paper's setting with every formulation, H1 and
 H6, the operator as printed and the consistent one, with the package default, self-adjoint SUPG and
-B-bar finite elements on the same disordered mesh; and a spinning cube whose momentum is known, where
-the energy budget must close but for the time integrator.  The package default also moves free
+B-bar finite elements on the same disordered mesh; and a spinning cube whose momentum is known,
+where the energy budget must close but for the time integrator. The package default also moves free
 bodies of other shapes and cells.
 """
 
@@ -232,7 +232,7 @@ KINDS = ("table", "cube", "bodies", "history", "cube_history")
 
 
 def tables(rows: list[Row]) -> Tables:
-    """``table``: a row a run of the block; ``cube``; histories of both; ``bodies``; ``orders``."""
+    """``table``: a row a run of the block; ``cube``; their histories; ``bodies``; ``orders``."""
     made = {kind: pd.DataFrame([row for row in rows if row["of"] == kind]) for kind in KINDS}
     for kind, table in made.items():
         require(len(table) > 0, f"studies.conservation: no case finished that gives {kind}.csv")
@@ -258,6 +258,7 @@ def words(tables: Tables) -> Mapping[str, Any]:
     nu, spinning = poisson_ratio(scene.material), spinning_cube()
     ladder = select(cube, group="ladder", cfl=CFLS[0])
     mine = cube[cube["method"] != B_BAR.name]
+    usual = ["paper", "elements", "package", "default"]
     changed = table[table["group"].isin(["changed", "long"])]
     return {
         "scene": scene, "nu": nu, "E": 2.0 * scene.material.mu * (1.0 + nu), "chosen": chosen,
@@ -269,10 +270,10 @@ def words(tables: Tables) -> Mapping[str, Any]:
         "estimate": judged.undeformed_impulse(),
         "projected": table[projected], "default": PACKAGE.name,
         "bare": select(table, group="no projection"),
-        "arms": shown[shown["group"].isin(["paper", "elements", "small load", "package", "default"])],
-        "pressures": shown[shown["group"].isin(["paper", "elements", "disorder", "package", "default"])]
+        "arms": shown[shown["group"].isin([*usual, "small load"])],
+        "pressures": shown[shown["group"].isin([*usual, "disorder"])]
         .sort_values(["spacing", "jitter"], ascending=[False, True], kind="stable"),
-        "energies": table[table["group"].isin(["paper", "elements", "package", "default"])],
+        "energies": table[table["group"].isin(usual)],
         "changed": changed, "changed_kept": int((changed["outcome"] == "kept").sum()),
         "sizes": select(table, group="elements").set_index("spacing")["particles"],
         "ladder": ladder.sort_values("spacing", ascending=False).to_dict("records"),

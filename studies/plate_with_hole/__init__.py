@@ -1,7 +1,7 @@
 """Stress concentration at a hole, from mesh files: ``python -m studies.plate_with_hole``.
 
-A quarter plate read from Gmsh files is pulled slowly, by the package default and by self-adjoint SUPG
-on hexahedra and on tetrahedra, and by B-bar finite elements on the same hexahedra.
+A quarter plate read from Gmsh files is pulled slowly, by the package default and by self-adjoint
+SUPG on hexahedra and on tetrahedra, and by B-bar finite elements on the same hexahedra.
 """
 
 from __future__ import annotations

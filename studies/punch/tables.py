@@ -64,7 +64,9 @@ def one_run(
     if level >= len(levels):
         return table.iloc[:0]
     found = select(table, press=reading.name, method=method.name, cells=levels[level])
-    return found.head(1) if method in OWN_OPERATOR else select(found, operator=operator.name).head(1)
+    if method not in OWN_OPERATOR:
+        found = select(found, operator=operator.name)
+    return found.head(1)
 
 
 def elements(table: pd.DataFrame, reading: Reading) -> pd.DataFrame:

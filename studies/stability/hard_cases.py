@@ -144,7 +144,8 @@ COLUMNS = (
     "case", "method", "cells", "formulation", "stabilisation", "operator", "h_over_dx",
     "integrator", "particles", "end_time", "applicable", "survived", "diverged_at", "where",
     "folded", "folded_at", "steps", "energy_kept", "energy_gain", "energy_at_tenth",
-    "dissipated_p", "dissipated_J", "dissipated_restraint", "energy_projection", "energy_defect", "energy_rest", "J_min", "J_max", "unseen_rms",
+    "dissipated_p", "dissipated_J", "dissipated_restraint", "energy_projection",
+    "energy_defect", "energy_rest", "J_min", "J_max", "unseen_rms",
     "unseen_max", "inside_out", "smallest_det", "noise_end", "noise_max", "answer", "answer_is",
     "top_height", "noise_left", "clumping", "why", "wall_s", "cpu_s",
 )  # fmt: skip

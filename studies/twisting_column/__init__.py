@@ -2,9 +2,10 @@
 
 ``python -m studies.twisting_column`` runs the column at nu = 0.495 and 105 rad/s to 0.1 s with the
 paper's SUPG-SPH (H1 and H6), the package default, self-adjoint SUPG and variants of it, the
-equations as printed, the force alone consistent, displacement-based SPH and the B-bar finite element, on the paper's lattices
-4x19x4, 5x25x5 and 6x31x6 and on 11x61x11; H1, the default, SUPG and the elements on more, so that their
-twist has a limit; with smaller steps for the energy budget; and at nu = 0.499.
+equations as printed, the force alone consistent, displacement-based SPH and the B-bar finite
+element, on the paper's lattices 4x19x4, 5x25x5 and 6x31x6 and on 11x61x11; H1, the default, SUPG
+and the elements on more, so that their twist has a limit; with smaller steps for the energy budget;
+and at nu = 0.499.
 """
 
 from __future__ import annotations
@@ -204,6 +205,6 @@ STUDY = Study(
     text=Path(__file__).with_name("report.md"),
     summary=quoted,
     warm_up=tiny,
-    description="The twisting column with SUPG-SPH, the package default, displacement SPH and B-bar "
-    "FEM.",
+    description="The twisting column with SUPG-SPH, the package default, displacement SPH and "
+    "B-bar FEM.",
 )

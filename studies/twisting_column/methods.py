@@ -63,7 +63,8 @@ def in_seconds(method: Method, factor: float) -> Method:
         return method.but(
             name=method.name, tau_F=sph.OfStep(factor), tau_p=sph.OfStep(_TAU_P * factor)
         )
-    return method if method in (NO_TAU_P, DEFAULT) else method.but(name=method.name, tau_p=Times(factor))
+    has_tau_p = method not in (NO_TAU_P, DEFAULT)
+    return method.but(name=method.name, tau_p=Times(factor)) if has_tau_p else method
 
 
 def usual(frame: pd.DataFrame, nu: float = NU) -> pd.DataFrame:
