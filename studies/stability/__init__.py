@@ -166,16 +166,21 @@ def _unfolded(runs: pd.DataFrame) -> dict[str, bool]:
 
 
 def _at(table: pd.DataFrame, case: str, method: Method) -> dict[str, Any]:
-    """The row of a run that lasted; nothing where there is none."""
+    """The row of a run; nothing where there is none."""
     runs = select(table, case=case, method=method.name)
-    return dict(runs.iloc[0]) if len(runs) and runs["verdict"].iloc[0] != DIVERGED else {}
+    return dict(runs.iloc[0]) if len(runs) else {}
+
+
+def _lasted(run: Mapping[str, Any]) -> bool:
+    return bool(run) and run["verdict"] != DIVERGED
 
 
 def default_at_200(table: pd.DataFrame, partial: str) -> Claim:
     """Energy, twist and noise of the column at 200 rad/s on 1/5 with the package default."""
     own, fine, same = (_at(table, AT_200, method) for method in (PACKAGE, FINE, B_BAR))
-    if not own or not fine:
-        return Claim(f"{AT_200}: energy, twist and noise", {}, "<=", 1.0, where=PACKAGE.name)
+    what = f"{AT_200}: energy, twist and noise"
+    if not own or not _lasted(fine):
+        return Claim(what, {}, "<=", 1.0, where=PACKAGE.name)
     twist = abs(own["answer"] / fine["answer"] - 1.0)
     beside = f" ({B_BAR.name} {same['noise_end']:.2f})" if same else ""
     # Of each the share of what is allowed.
@@ -184,8 +189,8 @@ def default_at_200(table: pd.DataFrame, partial: str) -> Claim:
         "twist": twist / TWIST_AT_200, "noise": own["noise_end"] / NOISE_AT_200,
     }  # fmt: skip
     return Claim(
-        f"{AT_200}: energy, twist and noise", parts, "<=", 1.0, where=PACKAGE.name,
-        sound=not own["folded"], incomplete=partial,
+        what, parts, "<=", 1.0, where=PACKAGE.name,
+        sound=_lasted(own) and not own["folded"], incomplete=partial,
         said=f"energy {own['energy_kept']:.3f}; twist off by {twist:.1%} from fine elements; "
         f"noise {own['noise_end']:.2f}{beside}",
         wanted=f"{ENERGY_AT_200:g}; {TWIST_AT_200:.0%}; {NOISE_AT_200:g}",
@@ -195,10 +200,12 @@ def default_at_200(table: pd.DataFrame, partial: str) -> Claim:
 def default_at_300(table: pd.DataFrame, partial: str) -> Claim:
     """Height of the top of the column at 300 rad/s on 1/8 with the package default."""
     own, fine = (_at(table, AT_300, method) for method in (PACKAGE, FINE))
-    found = {"": abs(own["top_height"] / fine["top_height"] - 1.0)} if own and fine else {}
+    known = bool(own) and _lasted(fine)
+    found = {"": abs(own["top_height"] / fine["top_height"] - 1.0)} if known else {}
     return Claim(
         f"{AT_300}: height of the top, from fine elements", found, "<=", HEIGHT_AT_300,
-        where=PACKAGE.name, sound=not own.get("folded", False), incomplete=partial, format=".1%",
+        where=PACKAGE.name, sound=_lasted(own) and not own["folded"], incomplete=partial,
+        format=".1%",
     )  # fmt: skip
 
 
