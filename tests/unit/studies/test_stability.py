@@ -419,7 +419,8 @@ def test_the_energy_of_the_long_columns_is_asked_by_lattice():
      ({"noise_end": 0.23}, "met in part"), (FOLDED, "not met"), (LOST, "not met")],
 )  # fmt: skip
 def test_the_fast_column_is_held_against_fine_elements(change, verdict):
-    rows = [default(AT_200, **change), of(FINE, case=AT_200), of(B_BAR, case=AT_200, noise_end=0.3)]
+    own, fine = default(AT_200, **change), of(FINE, case=AT_200)
+    rows = [own, fine, of(B_BAR, case=AT_200, noise_end=0.3)]
     found = stability.default_at_200(tabled(*rows), "")
     assert found.verdict == verdict
     assert stability.default_at_200(tabled(*rows[:1]), "").verdict == "not examined"
