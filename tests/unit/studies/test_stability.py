@@ -571,7 +571,8 @@ def waves_of_default(damping=5e-5, off=0.009, fine=0.002, pulse_over=0.9):
     ("change", "what", "verdict"),
     [
         ({"damping": 5e-4}, "damping", "met in part"), ({"damping": 2e-3}, "damping", "not met"),
-        ({"off": 0.015}, "frequency", "met in part"), ({"fine": -0.004}, "frequency", "met in part"),
+        ({"off": 0.015}, "frequency", "met in part"),
+        ({"fine": -0.004}, "frequency", "met in part"),
         ({"off": 0.03, "fine": 0.004}, "frequency", "not met"),
         ({"pulse_over": 1.01}, "error", "not met"),
     ],
