@@ -116,7 +116,8 @@ def cases(given: argparse.Namespace) -> list[Case]:
 def warm_up(given: argparse.Namespace) -> list[Case]:
     """Tiny runs that compile every kernel of the study."""
     methods = (DEFAULT, OWN_SUPG.but(tau_p=sph.OfStep(0.1)), PAPERS, B_BAR)
-    return [_step(method, 2, given.threads) for method in methods]
+    listed = [_step(method, 2, given.threads) for method in methods]
+    return [*listed, _step(DEFAULT, 2, given.threads, MORE_JITTER)]
 
 
 def tables(rows: list[Row]) -> Tables:

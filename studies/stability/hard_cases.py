@@ -12,7 +12,7 @@ import pandas as pd
 
 import sphsolid as sph
 from studies.engine.case import Case, Row
-from studies.engine.plotting import GREEN, SKY
+from studies.engine.plotting import ORANGE, SKY
 from studies.methods import (
     B_BAR,
     DISPLACEMENT,
@@ -31,7 +31,7 @@ PAPER_COLUMN = PAPER.but(
     formulation=sph.PFHJ(), xi_F=0.2, tau_p=sph.OfStep(0.1),
 )  # fmt: skip
 WITHOUT_J = SUPG.but(formulation=sph.PF(), marker="^")
-RK3 = SUPG.but(integrator=sph.SSPRK3(), colour=GREEN, marker="<")
+RK3 = SUPG.but(integrator=sph.SSPRK3(), colour=ORANGE, marker="<")
 #: What the package chose before the self-adjoint weighting.
 PRINTED = RK3.but(
     name="self-adjoint SUPG, SSP-RK3, printed", colour=SKY, marker=">",
@@ -182,6 +182,7 @@ def tiny_cases() -> Iterator[Case]:
     by_name = {case.name: case for case in CASES}
     for method in (PACKAGE, PAPER_COLUMN, PRINTED, WITHOUT_J, DISPLACEMENT, UNSTABILISED):
         yield _case(by_name["punch, held"], method, 4)
+    yield _case(by_name["column 5x25x5, jitter 40 %"], PACKAGE, 2)
     yield _case(by_name["pulled to stretch 2"], SUPG, 2)
     yield _case(by_name["column, Omega 105"], B_BAR, 2)
 
