@@ -214,7 +214,7 @@ def _tops(
 
 
 def _of_the_default(table: pd.DataFrame) -> Iterator[Claim]:
-    """The package default: it must not fold, be smooth, and have the shape of the elements."""
+    """The package default: it must not fold, and have the shape of the elements."""
     runs = select(table, method=PACKAGE.name)
     if len(runs) == 0:
         return
@@ -223,12 +223,15 @@ def _of_the_default(table: pd.DataFrame) -> Iterator[Claim]:
         "no run folds or diverges", int(good.sum()), len(runs), where=PACKAGE.name,
         said=f"{good.sum()} of {len(runs)}", wanted="all",
     )  # fmt: skip
-    own = one_run(table, INITIAL, PACKAGE)
-    solid = _value("noise_mean", one_run(table, INITIAL, B_BAR))
-    noise = _value("noise_mean", own)
+    # With nothing that damps the elements ring too: their noise is what it is held against.
+    noise = {
+        reading.name: _value("noise_mean", one_run(table, reading, PACKAGE))
+        / _value("noise_mean", one_run(table, reading, B_BAR))
+        for reading in READINGS
+    }
     yield Claim(
-        "the pressure is smooth (initial): noise", noise, "<=", SMOOTH, where=PACKAGE.name,
-        sound=_is_sound(own), said=f"{noise:.3f} ({B_BAR.name} {solid:.3f})", format=".3f",
+        f"pressure noise over that of {B_BAR.name}, coarsest lattice", noise, where=PACKAGE.name,
+        format=".2f",
     )  # fmt: skip
     for what, apart in _tops(table, (PACKAGE,)):
         yield Claim(
