@@ -145,6 +145,7 @@ def cube(results: Results) -> Figure:
 
 def _left_over(ax: Axes, table: pd.DataFrame) -> None:
     kept = table[(table["outcome"] == "kept") & (table["left_over"] > 0.0)]
+    kept = kept.assign(group=kept["group"].replace("usual default", "default"))
     rows = (
         ("default", PACKAGE.look, PACKAGE.name),
         ("package", SUPG.look, SUPG.name),
