@@ -1,4 +1,4 @@
-"""A study of your own: three methods on the swinging cube, ``python own_study.py --quick``.
+"""A study of your own: four methods on the swinging cube, ``python own_study.py --quick``.
 
 Its words are in ``own_study.md`` beside it.
 """
@@ -22,7 +22,7 @@ from studies.engine.plotting import BLACK, Curve, convergence_panel, outside_leg
 from studies.engine.study import Case, Claim, Results, Row, Study, Tables, run_study
 from studies.measures.order import order_table
 from studies.measures.run import run
-from studies.methods import PACKAGE, Method, Times
+from studies.methods import PACKAGE, SUPG, Method, Times
 
 #: Order that is asked of the momentum.
 ASKED = 1.5
@@ -43,7 +43,8 @@ class TwiceAsFine:
 
 METHODS = (
     PACKAGE,
-    PACKAGE.but(tau_F=Times(2.0), line="--"),
+    SUPG,
+    SUPG.but(tau_F=Times(2.0), line="--"),
     Method("B-bar, h/2", "B-bar FEM on half the spacing", BLACK, "d", TwiceAsFine()),
 )
 

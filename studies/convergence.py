@@ -1,9 +1,9 @@
 """Does the method converge, and at which order?  ``python -m studies.convergence``.
 
-The swinging cube by the package default, by the paper's scheme with every formulation, choice of
-secondary points and operator, by displacement SPH and by B-bar elements: in the linear limit and at
-large strain, both families of exact solutions, and near incompressibility.  With ``--cloud`` it
-hands over to ``studies.clouds``.
+The swinging cube by the package default, by self-adjoint SUPG, by the paper's scheme with every
+formulation, choice of secondary points and operator, by displacement SPH and by B-bar elements: in
+the linear limit and at large strain, both families of exact solutions, and near incompressibility.
+With ``--cloud`` it hands over to ``studies.clouds``.
 """
 
 from __future__ import annotations
@@ -23,8 +23,14 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 import sphsolid as sph
-from sphsolid.defaults import H_OVER_DX_LATTICE, default_cfl, default_integrator
+from sphsolid.defaults import (
+    H_OVER_DX_LATTICE,
+    default_cfl,
+    default_integrator,
+    default_operator,
+)
 from sphsolid.errors import require
+from sphsolid.scenes import Box
 from studies.engine.plotting import Curve, convergence_panel, outside_legend, panels
 from studies.engine.study import Case, Claim, Results, Row, Study, Tables, run_study
 from studies.measures import folding
@@ -43,6 +49,8 @@ from studies.methods import B_BAR, DISPLACEMENT, PACKAGE, SUPG, Method
 from studies.methods import PAPER as REGISTERED
 
 NU, NEARLY_INCOMPRESSIBLE = 0.3, 0.499
+#: Beside it the package default and the elements: where most rubber is, and nearer still.
+RUBBER, NEARER = 0.495, 0.4999
 #: The paper's factor of the time-integrated residual with H1 (its Fig. 4).  The study's own runs
 #: use none: it costs the stress near boundaries its order, which these rows show.
 PAPER_XI_F = 0.1
@@ -95,11 +103,20 @@ WITH_XI_F = [base.but(xi_F=PAPER_XI_F) for base in (LITERAL, PAPER, FORCE_ONLY)]
 UNPROJECTED = [method.but(angular_momentum=sph.NoProjection()) for method in WITH_XI_F[1:]]
 #: What is alike in formulation and secondary points: {p,F} and H1.
 ALONE = {
+    PACKAGE.name: [PACKAGE],
     SUPG.name: [SUPG],
     PAPER.name: [PAPER, WITH_XI_F[1], UNPROJECTED[0]],
     FORCE_ONLY.name: [FORCE_ONLY, WITH_XI_F[2], UNPROJECTED[1]],
 }
 LINEAR_KERNEL = PAPER.but(operator=sph.Literal(gradient="linear_kernel"))
+
+#: The package default with lattice differences of every order, whichever of them it chooses.
+BY_ORDER = {
+    order: PACKAGE.but(
+        name=f"{PACKAGE.name}, order {order}", operator=sph.LatticeDifference(order=order)
+    )
+    for order in (2, 4, 6)
+}
 
 SETTING = ["scene", "nu", "family", "method"]
 FAMILY = [*SETTING, "field", "component"]
@@ -117,9 +134,21 @@ FINEST, FINEST_QUICK = 32, 16
 #: Asked at nu = 0.3: slopes of momentum and stress, errors of p_x and P_xx at 17^3 in the linear
 #: limit, A+B+C=0.
 ASKED = {
+    PACKAGE.name: (1.95, 1.90, 2.6e-3, 1.0e-2),
     SUPG.name: (1.95, 1.65, 2.6e-3, 1.0e-2),
     PAPER.name: (1.95, 1.65, 2.6e-3, 1.0e-2),
     FORCE_ONLY.name: (1.95, 1.90, 2.6e-3, 5.5e-3),
+}
+#: Poisson's ratios beside it at which the same slopes are asked of the package default.
+ALSO_SLOPES = (RUBBER, NEARLY_INCOMPRESSIBLE)
+_SECOND_ORDER = {NU: (4.5e-3, 1.1e-2), RUBBER: (4.5e-3, 1.3e-2)}
+#: Asked of the lattice differences: slopes of momentum and stress with position Verlet, and by
+#: Poisson's ratio their largest component errors at 17^3, linear limit, A+B+C=0.  Order six is
+#: asked for nothing with this integrator.
+ASKED_OF_ORDER: dict[str, tuple[tuple[float, float], dict[float, tuple[float, float]]]] = {
+    PACKAGE.name: ((1.95, 1.9), _SECOND_ORDER),
+    BY_ORDER[2].name: ((1.95, 1.9), _SECOND_ORDER),
+    BY_ORDER[4].name: ((2.5, 2.5), {NU: (3.0e-4, 1.0e-3), RUBBER: (2.0e-4, 1.0e-3)}),
 }
 #: Asked of every slope of the elements and at nu = 0.499, and of p_x there.
 SLOPE, ERROR_NEAR = 1.95, 3.2e-3
@@ -147,9 +176,13 @@ def run_cube(
 
 def _case(method: Method, cells: int, scene: str, family: str, nu: float = NU) -> Case:
     # Undeformed p-wave speed over s-wave speed: how many more steps a period takes.
-    cost = cells**4 * (1.0 if nu == NU else 11.5) * (0.55 if family == "A=B=C" else 1.0)
+    stiffer = {NU: 1.0, RUBBER: 5.2, NEARLY_INCOMPRESSIBLE: 11.5, NEARER: 36.0}
+    cost = cells**4 * stiffer[nu] * (0.55 if family == "A=B=C" else 1.0)
     cost *= 1.6 if scene == "manufactured" else 1.0
-    usual = {SUPG.name: 0.3, CLASSICAL.name: 0.6, CLASSICAL_LITERAL.name: 0.6, B_BAR.name: 0.6}
+    usual = dict.fromkeys((PACKAGE.name, *(each.name for each in BY_ORDER.values())), 0.2) | {
+        SUPG.name: 0.3, CLASSICAL.name: 0.6, CLASSICAL_LITERAL.name: 0.6,
+        B_BAR.name: 0.6,
+    }  # fmt: skip
     cost *= 2.3 if "H6" in method.name else usual.get(method.name, 1.0)
     arguments = {
         "method": method, "scene": scene, "family": family, "poisson_ratio": nu, "cells": cells,
@@ -173,8 +206,19 @@ def of_level(cells: int, quick: bool) -> Iterator[Case]:
 
 def nearly_incompressible(cells: int, near: Sequence[Method]) -> Iterator[Case]:
     """The linear limit at nu = 0.499, where displacement methods lock or ring."""
-    for method in (SUPG, *near, CLASSICAL, B_BAR):
+    for method in (PACKAGE, SUPG, *near, CLASSICAL, B_BAR):
         yield _case(method, cells, "linear", "A+B+C=0", NEARLY_INCOMPRESSIBLE)
+
+
+def of_rubber(cells: int) -> Iterator[Case]:
+    """At nu = 0.495 and both scenes, at 0.4999 to 17^3; the orders at nu = 0.3 too."""
+    for method, scene in itertools.product((PACKAGE, SUPG, B_BAR, *BY_ORDER.values()), SCENES):
+        yield _case(method, cells, scene, "A+B+C=0", RUBBER)
+    for method, scene in itertools.product(BY_ORDER.values(), SCENES):
+        yield _case(method, cells, scene, "A+B+C=0")
+    for method in (PACKAGE, SUPG, B_BAR):
+        if cells <= 16:
+            yield _case(method, cells, "linear", "A+B+C=0", NEARER)
 
 
 def cases(options: argparse.Namespace) -> list[Case]:
@@ -190,12 +234,14 @@ def cases(options: argparse.Namespace) -> list[Case]:
             listed += nearly_incompressible(cells, with_H1 if options.quick else NEAR)
         elif not options.quick:
             listed += nearly_incompressible(cells, with_H1)
+        if not options.quick:
+            listed += of_rubber(cells)
     return listed
 
 
 def warm_up(options: argparse.Namespace) -> list[Case]:
     """Tiny runs that compile every kernel of the study."""
-    methods = (SUPG, NEAR[-1], B_BAR)
+    methods = (PACKAGE, SUPG, NEAR[-1], B_BAR)
     return [_case(method, 2, "manufactured", "A=B=C", NEARLY_INCOMPRESSIBLE) for method in methods]
 
 
@@ -250,7 +296,8 @@ def claims(tables: Tables) -> list[Claim]:
     at_17 = select(tables["table"], scene="linear", family="A+B+C=0", h=1.0 / 16.0)
     slopes, errors = [], []
     for name, (p, P, p_x, P_xx) in ASKED.items():
-        runs = _of(summary[NU], {SUPG.name: [SUPG], **BY_OPERATOR}[name])
+        own = {PACKAGE.name: [PACKAGE], SUPG.name: [SUPG]}
+        runs = _of(summary[NU], own.get(name) or BY_OPERATOR[name])
         slopes += [_slope(runs, name, "p", p), _slope(runs, name, "P", P)]
         for component, limit in (("x", p_x), ("xx", P_xx)):
             runs = select(_of(at_17, ALONE[name]), nu=NU, component=component)
@@ -261,11 +308,42 @@ def claims(tables: Tables) -> list[Claim]:
         elements = select(runs, method=B_BAR.name)
         slopes += [_slope(elements, f"{B_BAR.name}, nu {nu:g}", field, SLOPE) for field in _FIELD]
     near = select(at_17, nu=NEARLY_INCOMPRESSIBLE, component="x")
+    errors += [_error(row, ERROR_NEAR) for row in _of(near, [PACKAGE]).to_dict("records")]
     for name, methods in ((SUPG.name, [SUPG]), (PAPER.name, NEAR)):
         errors += [_error(row, ERROR_NEAR) for row in _of(near, methods).to_dict("records")]
         runs = _of(summary[NEARLY_INCOMPRESSIBLE], methods)
         slopes.append(_slope(runs, f"{name}, nu {NEARLY_INCOMPRESSIBLE:g}", "p", SLOPE))
+    slopes += _default_slopes(tables["summary"])
+    errors += _default_errors(tables["summary"])
     return [claim for claim in (*slopes, *errors) if claim is not None]
+
+
+def _default_slopes(summary: pd.DataFrame) -> Iterator[Claim | None]:
+    """Of the package default and its orders, the worst over scenes and families."""
+    for name, (slopes, _) in ASKED_OF_ORDER.items():
+        for nu in ALSO_SLOPES if name == PACKAGE.name else (NU, RUBBER):
+            runs = select(summary, method=name, nu=nu)
+            for field, asked in zip(_FIELD, slopes, strict=True):
+                yield _slope(runs, f"{name}, nu {nu:g}", field, asked)
+
+
+def _default_errors(summary: pd.DataFrame) -> Iterator[Claim]:
+    """The largest component errors at 17^3, and stress over that of the elements."""
+    linear = select(summary, scene="linear", family="A+B+C=0")
+    for name, (_, errors) in ASKED_OF_ORDER.items():
+        for row in select(linear, method=name).to_dict("records"):
+            for field, asked in zip(_FIELD, errors.get(row["nu"], ()), strict=False):
+                if not math.isnan(row[f"error_{field}_h16"]):
+                    yield Claim(
+                        f"largest error of {_FIELD[field]} at 17^3, nu {row['nu']:g}",
+                        row[f"error_{field}_h16"], "<=", asked, where=name,
+                        sound=not row["folded"], format=".2e",
+                    )  # fmt: skip
+    stress = linear.pivot_table(index="nu", columns="method", values="error_P_h16")
+    if {PACKAGE.name, B_BAR.name} <= set(stress):
+        for nu, ratio in (stress[PACKAGE.name] / stress[B_BAR.name]).dropna().items():
+            what = f"error of stress at 17^3 over that of elements, nu {nu:g}"
+            yield Claim(what, float(ratio), where=PACKAGE.name, format=".2f")
 
 
 def _of(runs: pd.DataFrame, methods: Sequence[Method]) -> pd.DataFrame:
@@ -291,8 +369,24 @@ def _error(row: Mapping[str, Any], asked: float) -> Claim:
     )  # fmt: skip
 
 
-def _curves(part: pd.DataFrame, methods: Sequence[Method], nested: bool) -> list[Curve]:
-    """Largest component error; ``nested`` open markers show curves that nearly coincide."""
+#: Curves that nearly coincide: those below are wide and pale with large open markers, so that what
+#: is drawn over them hides nothing.
+_BELOW: dict[str, dict[str, Any]] = {
+    PAPER.name: {"linewidth": 4.2, "alpha": 0.45, "markersize": 11.0, "zorder": 2.0},
+    SUPG.name: {"linewidth": 2.6, "alpha": 0.6, "markersize": 8.0, "zorder": 2.1},
+    FORCE_ONLY.name: {"linewidth": 1.3, "markersize": 8.0, "zorder": 2.2},
+    B_BAR.name: {"linewidth": 1.1, "markersize": 5.5, "zorder": 2.3},
+    PACKAGE.name: {"linewidth": 1.1, "markersize": 3.6, "zorder": 2.4},
+}
+
+
+def _curves(
+    part: pd.DataFrame, methods: Sequence[Method], nested: bool, layered: bool = False
+) -> list[Curve]:
+    """Largest component error; ``nested`` open markers show curves that nearly coincide.
+
+    ``layered``: the same by width, as :data:`_BELOW` says.
+    """
     curves = []
     for method in methods:
         largest = select(part, method=method.name).groupby("h")["error"].max()
@@ -301,19 +395,22 @@ def _curves(part: pd.DataFrame, methods: Sequence[Method], nested: bool) -> list
             look |= {"markerfacecolor": "white" if method.line == ":" else "none"}
         if nested:
             look |= {"markersize": {"s": 9.5, "^": 6.5, "o": 3.0}.get(method.marker, 4.8)}
+        if layered and method.name in _BELOW:
+            look |= _BELOW[method.name]
+            look |= {} if method == PACKAGE else {"markerfacecolor": "none"}
         curves.append(Curve(method.label, largest.index.tolist(), largest.tolist(), look))
     return curves
 
 
 def scenes_figure(results: Results, methods: Sequence[Method], nested: bool) -> Figure:
     """Scenes and families from left to right, momentum above stress, nu = 0.3."""
-    figure, axes = panels(2, 4, width=2.9, height=2.7)
+    figure, axes = panels(2, 4, width=2.9, height=3.1)
     for column, (scene, family) in enumerate(itertools.product(SCENES, FAMILIES)):
         for row, (field, word) in enumerate(_FIELD.items()):
             part = select(results.tables["table"], scene=scene, family=family, field=field, nu=NU)
             convergence_panel(
                 axes[row, column],
-                _curves(part, methods, nested),
+                _curves(part, methods, nested, layered=not nested),
                 title=f"{scene}, {family}: {word}",
                 y_label="relative L2 error [-]" if column == 0 else "",
                 x_label="spacing h [m]" if row == 1 else "",
@@ -328,7 +425,7 @@ def incompressible_figure(results: Results) -> Figure:
     for ax, (field, word) in zip(axes.flat, _FIELD.items(), strict=True):
         part = select(results.tables["table"], nu=NEARLY_INCOMPRESSIBLE, field=field)
         curves = [
-            *_curves(part, [SUPG, CLASSICAL, B_BAR], nested=False),
+            *_curves(part, [PACKAGE, SUPG, CLASSICAL, B_BAR], nested=False, layered=True),
             *_curves(part, NEAR, nested=True),
         ]
         convergence_panel(ax, curves, title=f"nu = {NEARLY_INCOMPRESSIBLE:g}, A+B+C=0: {word}")
@@ -354,9 +451,11 @@ def words(tables: Tables) -> Mapping[str, Any]:
             (*key, runs) for key, runs in summary.groupby(["scene", "family", "nu"], sort=False)
         ],
         "instants": INSTANTS, "amplitude": LINEAR_AMPLITUDE, "gradient": LARGEST_GRADIENT,
-        "nu": NU, "near": NEARLY_INCOMPRESSIBLE, "xi_F": PAPER_XI_F, "tau_p": PAPER_TAU_P,
+        "nu": NU, "near": NEARLY_INCOMPRESSIBLE, "rubber": RUBBER, "nearer": NEARER,
+ "xi_F": PAPER_XI_F, "tau_p": PAPER_TAU_P,
         "cfl": CFL, "package_cfl": default_cfl(default_integrator()),
         "integrator": default_integrator().name,
+        "default_operator": default_operator(Box().mesh(0.125), restrained=True).name,
         "support": H_OVER_DX_LATTICE * sph.WendlandC2().support,
     }  # fmt: skip
 

@@ -1,4 +1,4 @@
-"""The picture of README: the twisting column, SUPG-SPH over time and B-bar FEM beside it.
+"""The picture of README: the twisting column, particles over time and B-bar FEM beside them.
 
 ``python -m studies.picture`` runs the column at nu = 0.495 with 8 cells across (9x49x9 particles)
 and writes ``docs/twisting_column.png``, and its frames beside it as ``.npz``; ``--redraw`` draws it
@@ -24,7 +24,7 @@ from studies.pictures.picture import Panel, Percentile, Picture, keep_frames
 from studies.pictures.shots import ShotFolder
 
 TIMES = (0.0, 0.03, 0.06, 0.1)
-SHOWN = [Panel("SUPG-SPH,\n" + PACKAGE.name, PACKAGE.name, time) for time in TIMES]
+SHOWN = [Panel("particles,\n" + PACKAGE.name, PACKAGE.name, time) for time in TIMES]
 PICTURE = Picture(
     plan=lambda tables: [[*SHOWN, Panel("\n" + B_BAR.name, B_BAR.name, TIMES[-1])]],
     colours=Percentile(99.5),

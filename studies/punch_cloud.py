@@ -2,14 +2,15 @@
 
 The same block, once as disordered hexahedra with H1 and once as nothing but their vertices and a
 surface, with secondary particles from agglomerated Delaunay cells; self-adjoint SUPG, nu = 0.499,
-the same smoothing length on both.
+the same smoothing length on both.  The package default, which has no secondary particles, runs on
+the same bodies.
 """
 
 from __future__ import annotations
 
 import argparse
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -34,7 +35,7 @@ from studies.measures.indicators import pressure_noise, pressure_range
 from studies.measures.run import run
 from studies.measures.scattered_noise import REACH, scattered_noise
 from studies.measures.tables import select
-from studies.methods import SUPG, UNSTABILISED, Method
+from studies.methods import PACKAGE, SUPG, UNSTABILISED, Method
 from studies.pictures.frame import Absent
 from studies.pictures.panels import Layout
 from studies.pictures.picture import Panel, Percentile, Picture, Plan, keeping
@@ -65,8 +66,12 @@ RUNS = (
     (LATTICE, SUPG), (HEXAHEDRA, SUPG), (WIDEST, SUPG), (POINTS, SUPG),
     (FILLED, SUPG), (POINTS, TETRAHEDRA), (HEXAHEDRA, NO_TAU_P), (POINTS, NO_TAU_P),
     (HEXAHEDRA, BARE), (POINTS, BARE),
+    *((cloud, PACKAGE) for cloud in (LATTICE, HEXAHEDRA, POINTS, FILLED)),
 )  # fmt: skip
-PICTURED = (*RUNS[:2], *RUNS[3:6], RUNS[-1])
+PICTURED = (
+    (LATTICE, SUPG), (HEXAHEDRA, SUPG), (POINTS, SUPG), (FILLED, SUPG), (POINTS, TETRAHEDRA),
+    (POINTS, BARE), (HEXAHEDRA, PACKAGE), (POINTS, PACKAGE),
+)  # fmt: skip
 LEVELS = (20, 40)
 
 
@@ -126,7 +131,9 @@ def cases(options: argparse.Namespace) -> Sequence[Case]:
     listed = []
     for cells in LEVELS[:1] if options.quick else LEVELS:
         for cloud, method in RUNS:
-            once = options.quick or cloud == LATTICE or (cells > LEVELS[0] and method != SUPG)
+            once = options.quick or cloud == LATTICE or (
+                cells > LEVELS[0] and method not in (SUPG, PACKAGE)
+            )
             for seed in SEEDS[:1] if once else SEEDS:
                 listed.append(_case(options.out / "shots", cloud, method, cells, seed, END))
     return listed
@@ -235,7 +242,10 @@ def tables(rows: list[Row]) -> Tables:
 
 
 def _against_h1(run: Mapping[Any, Any], runs: pd.DataFrame) -> float:
-    """Noise over that of H1 on hexahedra with the points of the same seed, less one."""
+    """Noise over that of H1 on hexahedra with the points of the same seed, less one.
+
+    Of the package default and without stabilisation: over that of the same method there.
+    """
     method = SUPG.name if run["method"] == TETRAHEDRA.name else run["method"]
     h1 = select(runs, method=method, cloud=HEXAHEDRA, cells=run["cells"], seed=run["seed"])
     if len(h1) != 1 or run["cloud"] not in (POINTS, FILLED):
@@ -264,10 +274,33 @@ def claims(tables: Tables) -> list[Claim]:
             diverged = float((~mine["survived"].astype(bool)).sum())
             at_most(f"{cloud}: runs that diverged", diverged, 0.0)
             at_most(f"{cloud}: runs that folded", float(folding.has_folded(mine).sum()), 0.0)
+        found.extend(_of_the_default(runs, f"{cells} cells a metre, {PACKAGE.name}"))
         share = _noise(runs, POINTS, SUPG) / _noise(runs, POINTS, BARE)
         if not math.isnan(share):
             at_most("points: noise over that without stabilisation", share, SMOOTH)
     return found
+
+
+def _of_the_default(runs: pd.DataFrame, where: str) -> Iterator[Claim]:
+    """It runs on every body without folding, and on points as on hexahedra."""
+    own = select(runs, method=PACKAGE.name)
+    good = folding.sound(own)
+    if len(own):
+        yield Claim.counted(
+            "runs that neither diverge nor fold", int(good.sum()), len(own), where=where,
+            wanted="all",
+        )  # fmt: skip
+    meshed = _noise(runs, HEXAHEDRA, PACKAGE)
+    for cloud in (POINTS, FILLED):
+        more = _noise(runs, cloud, PACKAGE) / meshed - 1.0
+        if not math.isnan(more):
+            what = f"{cloud}: noise above that on hexahedra, mean"
+            yield Claim(what, more, "<=", TOLERANCE, where=where)
+    share = _noise(runs, POINTS, PACKAGE) / _noise(runs, POINTS, BARE)
+    if not math.isnan(share):
+        yield Claim(
+            "points: noise over that without stabilisation", share, "<=", SMOOTH, where=where
+        )
 
 
 def _noise(runs: pd.DataFrame, cloud: str, method: Method) -> float:
@@ -289,7 +322,9 @@ def noise_figure(results: Results) -> Figure:
             if len(mine):
                 mean = mine.groupby("time")["noise"].mean()
                 label = _heading(cloud, method).replace("\n", " ")
-                look = {"color": _COLOURS[cloud], "linestyle": method.line}
+                look: dict[str, Any] = {"color": _COLOURS[cloud], "linestyle": method.line}
+                if method == PACKAGE:
+                    look |= {"marker": PACKAGE.marker, "markersize": 2.8, "linewidth": 0.9}
                 ax.plot(1e3 * mean.index, mean, label=label, **look)
         ax.set(title=f"{cells} cells a metre", xlabel="time [ms]", ylabel="pressure noise [-]")
         ax.set_ylim(bottom=0.0)
@@ -309,7 +344,7 @@ def _plan(cells: int, tables: Tables) -> Plan:
         shown += [Panel(label, key, END, sets_colours) for key in runs["key"]] or [
             Absent(label, END)
         ]
-    return [shown[:3], shown[3:]]
+    return [shown[:4], shown[4:]]
 
 
 PICTURES = {

@@ -1,10 +1,10 @@
 """Which operator on which cloud?  ``python -m studies.clouds``.
 
-``Literal``, ``Consistent`` and ``SummationByParts`` on lattices, disorder, tetrahedra and mesh
-files: orders and errors on the swinging cube, momenta and set-up of free bodies of other shapes,
-the energy budget without stabilisation, the CFL number that a free cube allows, and what the
-choices inside ``SummationByParts`` are worth.  With ``--cloud`` (also of ``studies.convergence``)
-only the swinging cube on the clouds named.
+``Literal``, ``Consistent`` and ``SummationByParts`` with SUPG, and the package default, on
+lattices, disorder, tetrahedra and mesh files: orders and errors on the swinging cube, momenta and
+set-up of free bodies of other shapes, the energy budget without stabilisation, the CFL number that
+a free cube allows, and what the choices inside ``SummationByParts`` are worth. With ``--cloud``
+(also of ``studies.convergence``) only the swinging cube on the clouds named.
 """
 
 from __future__ import annotations
@@ -41,19 +41,28 @@ from studies.engine.plotting import Curve, convergence_panel, outside_legend, pa
 from studies.engine.study import Case, Claim, Results, Row, Study, Tables, main, parse
 from studies.measures.swinging_cube import FAMILIES, INSTANTS, LARGEST_GRADIENT, SCENES
 from studies.measures.tables import select
-from studies.methods import PAPER, SUPG, UNSTABILISED, Method
+from studies.methods import PACKAGE, PAPER, SUPG, UNSTABILISED, Method
 
-BY_PARTS = sph.SummationByParts()
+BY_PARTS, NO_FIELDS = sph.SummationByParts(), sph.Displacement()
 OPERATORS: dict[str, Method] = {
     "Literal": SUPG.but(operator=sph.Literal(), line=":", marker="v"),
     "Consistent": SUPG.but(operator=sph.Consistent(), line="--", marker="s"),
     "SummationByParts": SUPG.but(operator=BY_PARTS),
+}
+#: Poisson's ratios at which the package default is run, by the name that the tables have for it.
+DEFAULTS = {PACKAGE.name: 0.3, f"{PACKAGE.name}, nu 0.495": 0.495}
+#: All of them, by that name.
+METHODS: dict[str, Method] = OPERATORS | {
+    name: PACKAGE if nu == 0.3 else PACKAGE.but(name=name, line="--", marker="D")
+    for name, nu in DEFAULTS.items()
 }
 #: Clouds of the comparison and the cells along an edge of their last level.
 COMPARED = {
     "lattice": 16, "jitter:0.1": 16, "jitter:0.2": 32, "jitter:0.4": 32, "jitter:0.8": 16,
     "tet": 32, "hex:studies/meshes/cube_hex_8.msh": 16, "tet:studies/meshes/cube_tet_8.msh": 16,
 }  # fmt: skip
+#: Clouds that only the package default is run on, in the same way.
+BY_DEFAULT = {"scattered:0.4": 32}
 #: Last level of the other operators, and the clouds of the short form.
 OTHERS_LAST, SHORT_FORM = 16, ("lattice", "jitter:0.4", "tet")
 #: Clouds whose spectrum is taken.
@@ -83,10 +92,15 @@ FINEST, FINEST_QUICK = 32, 8
 MOMENTUM_SLOPE, STRESS_SLOPE, STRESS_GOAL = 1.9, 1.5, 1.9
 #: Errors at 17^3 in the linear limit, and the goal for stress.
 MOMENTUM_ERROR, STRESS_ERROR, STRESS_ERROR_GOAL = 7.0e-3, 4.0e-2, 2.0e-2
+#: Asked of the package default on any cloud at either Poisson's ratio, linear and at large strain:
+#: slopes of momentum and stress and the goal of the latter; errors at 17^3 of jitter 0.4.
+DEFAULT_SLOPES, DEFAULT_GOAL = (1.95, 1.85), 1.9
+DEFAULT_ERRORS = {0.3: (4.6e-3, 1.3e-2), 0.495: (4.6e-3, 1.7e-2)}
 #: Drift of momenta over their scale, and power of ``dt`` of the residual of the energy budget.
 DRIFT, ENERGY_SLOPE = 1.0e-12, 1.95
 #: Clouds that the slopes and errors are asked of; other clouds are reported.
 ASKED = ("jitter 0.2", "jitter 0.4", "tet")
+ASKED_OF_DEFAULT = (*ASKED, "scattered 0.4")
 
 SETTING = ["cloud", "operator", "formulation", "scene", "family"]
 _ABOUT = [
@@ -122,18 +136,24 @@ def _cube(
     cloud: str, level: int, operator: str, settings: Sequence[Setting], variant: str = ""
 ) -> Case:
     cells = cloud_of(cloud).cells(level)
+    nu = DEFAULTS.get(operator, 0.3)
+    # Undeformed p-wave speed over s-wave speed: how many more steps a period takes.
+    steps = 1.0 if nu == 0.3 else 5.2
     step = "" if cloud.startswith("points") else f" level {level}"
     return Case(
         f"cube {label_of(cloud)}{step} {operator} {variant}".strip(),
         cube,
         {"cloud": cloud, "level": level, "settings": list(settings), "variant": variant,
-         "method": OPERATORS[operator].but(**VARIANTS.get(variant, {}))},
-        cost=(len(settings) * cells**4 / 16 + _SET_UP[operator] * cells**3.5) / 16**3,
+         "method": METHODS[operator].but(**VARIANTS.get(variant, {})),
+         "label": operator if operator in DEFAULTS else "", "poisson_ratio": nu},
+        cost=(steps * len(settings) * cells**4 / 16 + _SET_UP.get(operator, 6.0) * cells**3.5)
+        / 16**3,
     )  # fmt: skip
 
 
-def _settings(families: Sequence[str] = FAMILIES[:1]) -> list[Setting]:
-    return list(product(SCENES, families, (sph.PF(), sph.PFJ())))
+def _settings(families: Sequence[str] = FAMILIES[:1], operator: str = "") -> list[Setting]:
+    mixed = (sph.PF(), sph.PFJ())
+    return list(product(SCENES, families, (NO_FIELDS,) if operator in DEFAULTS else mixed))
 
 
 def _finest(options: argparse.Namespace) -> int:
@@ -146,8 +166,8 @@ def named(options: argparse.Namespace) -> Iterator[Case]:
     families = FAMILIES if options.both_families else FAMILIES[:1]
     for cloud in options.cloud:
         for level in cloud_of(cloud).levels(_finest(options)):
-            for operator in OPERATORS:
-                yield _cube(cloud, level, operator, _settings(families))
+            for operator in (*OPERATORS, PACKAGE.name):
+                yield _cube(cloud, level, operator, _settings(families, operator))
 
 
 def _comparison(options: argparse.Namespace) -> Iterator[Case]:
@@ -165,6 +185,12 @@ def _comparison(options: argparse.Namespace) -> Iterator[Case]:
                     if not (fine and setting[0] == "linear" and setting[2] == sph.PFJ())
                 ]  # fmt: skip
                 yield _cube(cloud, level, operator, settings)
+    for cloud, last in (COMPARED | BY_DEFAULT).items():
+        if options.quick and cloud not in SHORT_FORM:
+            continue
+        for operator in DEFAULTS:
+            for level in cloud_of(cloud).levels(min(last, _finest(options))):
+                yield _cube(cloud, level, operator, _settings(operator=operator))
 
 
 def _variants(quick: bool) -> Iterator[Case]:
@@ -231,7 +257,10 @@ def cases(options: argparse.Namespace) -> list[Case]:
 def warm_up(options: argparse.Namespace) -> list[Case]:
     """Tiny runs that compile every kernel."""
     return [
-        *(_cube("jitter:0.4", 4, operator, _settings()) for operator in OPERATORS),
+        *(
+            _cube("jitter:0.4", 4, operator, _settings(operator=operator))
+            for operator in (*OPERATORS, PACKAGE.name)
+        ),
         *(energy_case("jitter:0.4", each, 4) for each in (sph.TVDRK2(), sph.PositionVerlet())),
     ]
 
@@ -318,7 +347,40 @@ def claims(tables: Tables) -> list[Claim]:
             _claim("p_x, linear limit", where, row, "p_x", MOMENTUM_ERROR),
             _claim("P_xx, linear limit", where, row, "P_xx", STRESS_ERROR, STRESS_ERROR_GOAL),
         ]
-    return [*found, *_lattice(plain), *_energy(tables["energy"]), *_kept(tables["conservation"])]
+    others = [*_energy(tables["energy"]), *_kept(tables["conservation"])]
+    return [*found, *_of_the_default(plain), *_lattice(plain), *others]
+
+
+def _of_the_default(plain: pd.DataFrame) -> Iterator[Claim]:
+    """Slopes of the last refinement over both scenes, and the largest errors at 17^3."""
+    for name, nu in DEFAULTS.items():
+        runs = select(plain, operator=name)
+        for cloud in ASKED_OF_DEFAULT:
+            last = [
+                part.loc[part["h"].idxmin()]
+                for _, part in select(runs, cloud=cloud).groupby("scene", sort=False)
+            ]
+            for field, asked, goal in (("p", DEFAULT_SLOPES[0], math.nan),
+                                       ("P", DEFAULT_SLOPES[1], DEFAULT_GOAL)):  # fmt: skip
+                slopes = {row["scene"]: float(row[f"slope_{field}"]) for row in last}
+                if not slopes or all(map(math.isnan, slopes.values())):
+                    continue
+                what = f"{_FIELDS[f'error_{field}']} slope of the {PACKAGE.name}, nu {nu:g}"
+                if math.isnan(goal):
+                    yield Claim(what, slopes, ">=", asked, where=cloud, format=".2f")
+                    continue
+                yield Claim(
+                    what, slopes, ">=", goal, where=cloud, in_part=asked, format=".2f",
+                    wanted=f"{asked:.2f}, goal {goal:.2f}",
+                )  # fmt: skip
+        at = at_17(select(runs, cloud="jitter 0.4", scene="linear", family=FAMILIES[0]))
+        for row in at.to_dict("records"):
+            for (column, word), asked in zip(_FIELDS.items(), DEFAULT_ERRORS[nu], strict=True):
+                yield Claim(
+                    f"largest error of {word} of the {PACKAGE.name}, nu {nu:g}, linear limit",
+                    float(row[column]), "<=", asked, format=".2e",
+                    where=f"jitter 0.4, {row['particles']:.0f} particles",
+                )  # fmt: skip
 
 
 def _last(runs: pd.DataFrame) -> Iterator[tuple[str, Mapping[str, Any]]]:
@@ -389,15 +451,16 @@ def _kept(frame: pd.DataFrame) -> Iterator[Claim]:
 
 def _look(operator: str) -> dict[str, Any]:
     white = {"markerfacecolor": "white"} if operator == "Literal" else {}
-    return OPERATORS[operator].look | white
+    return METHODS[operator].look | white
 
 
 def orders_figure(results: Results, *, scene: str, formulation: str) -> Figure:
-    """Largest component error over spacing by operator: a pair of panels a cloud."""
-    shown = select(
-        unvaried(results.tables["levels"]), scene=scene, family=FAMILIES[0],
-        formulation=formulation,
-    )  # fmt: skip
+    """Largest component error over spacing by operator: a pair of panels a cloud.
+
+    The package default has no fields to choose and is in every figure.
+    """
+    shown = select(unvaried(results.tables["levels"]), scene=scene, family=FAMILIES[0])
+    shown = shown[shown["formulation"].isin([formulation, NO_FIELDS.name])]
     clouds = list(dict.fromkeys(shown["cloud"]))
     require(len(clouds) > 0, f"levels.csv has no {scene} runs of {formulation}; run the study")
     across = min(4, len(clouds))
@@ -427,17 +490,17 @@ def orders_figure(results: Results, *, scene: str, formulation: str) -> Figure:
 
 
 def disorder_figure(results: Results) -> Figure:
-    """Error on 17^3 particles over the jitter, linear limit, {p,F}."""
+    """Error on 17^3 particles over the jitter, linear limit, {p,F} and the package default."""
     part = select(
-        unvaried(results.tables["levels"]), scene="linear", formulation=sph.PF().name,
-        family=FAMILIES[0], h=1.0 / 16.0,
-    )  # fmt: skip
+        unvaried(results.tables["levels"]), scene="linear", family=FAMILIES[0], h=1.0 / 16.0
+    )
+    part = part[part["formulation"].isin([sph.PF().name, NO_FIELDS.name])]
     part = part[part["cloud"].str.startswith(("lattice", "jitter"))]
     jitter = part["cloud"].str.removeprefix("jitter ").replace("lattice", "0").astype(float)
     part = part.assign(moved=100.0 * jitter / 2.0).sort_values("moved")
     figure, axes = panels(1, 2, width=3.4, height=2.9)
     for ax, (name, field) in zip(axes.flat, _FIELDS.items(), strict=True):
-        for operator in OPERATORS:
+        for operator in METHODS:
             runs = select(part, operator=operator)
             ax.plot(runs["moved"], runs[name], label=operator, **_look(operator))
         ax.set_yscale("log")
@@ -497,12 +560,14 @@ def words(tables: Tables) -> Mapping[str, Any]:
             (*key, runs) for key, runs in plain.groupby(["scene", "family"], sort=False)
         ],
         "recovered": both[
-            (both["formulation"] == sph.PF().name) & (both["operator"] != "Literal")
+            both["formulation"].isin([sph.PF().name, NO_FIELDS.name])
+            & (both["operator"] != "Literal")
         ],
         "varied": varied.assign(
             made=varied["variant"].str.removesuffix(f", {RECOVERED}")
         ).merge(effort.rename(columns={"variant": "made"}), on=["made", "h"], how="left"),
         "setup": unvaried(tables["setup"]),
+        "default": PACKAGE.name, "other_nu": max(DEFAULTS.values()),
         "instants": INSTANTS, "gradient": LARGEST_GRADIENT, "steps": STEPS, "drift": DRIFT,
         "epsilon": BY_PARTS.epsilon, "tolerance": BY_PARTS.tolerance,
         "support": H_OVER_DX_BY_PARTS, "integrator": default_integrator().name,

@@ -1,4 +1,7 @@
-"""Clouds of the unit cube by name: ``lattice``, ``jitter:J``, ``tet``, ``hex:FILE`` and more."""
+"""Clouds of the unit cube by name: ``lattice``, ``jitter:J``, ``tet``, ``hex:FILE`` and more.
+
+``scattered:J`` has the particles of ``jitter:J`` as bare points in a surface, without the cells.
+"""
 
 from __future__ import annotations
 
@@ -15,7 +18,7 @@ from sphsolid.geometry.point_file import read_points
 from sphsolid.geometry.refine import Refined
 from studies.engine.sources import ROOT
 
-KINDS = "lattice, jitter:J, tet, hex:FILE, tet:FILE, points:FILE[,SURFACE]"
+KINDS = "lattice, jitter:J, tet, scattered:J, hex:FILE, tet:FILE, points:FILE[,SURFACE]"
 TAGS = ("X+", "X-", "Y+", "Y-", "Z+", "Z-")
 _TOLERANCE = 1.0e-6
 
@@ -47,6 +50,29 @@ class Generated:
 
     def cells(self, level: int) -> float:
         """Cells along an edge."""
+        return float(level)
+
+
+@dataclass(frozen=True)
+class Scattered:
+    """The particles of a disordered cube without its cells: positions in a surface."""
+
+    jitter: float
+
+    def levels(self, finest: int) -> list[int]:
+        """Cells along an edge, as of :class:`Generated`."""
+        return Generated(self.jitter).levels(finest)
+
+    def at(self, level: int) -> Instance:
+        """The points at ``1 / level``."""
+        mesh = Box(jitter=self.jitter).mesh(1.0 / level)
+        inner = np.ones(len(mesh.vertices), dtype=bool)
+        inner[mesh.boundary] = False
+        surface = Surface.closed(vertices=mesh.vertices, faces=mesh.faces)
+        return Instance(PointCloud(mesh.vertices[inner], surface), AS_MESHED, 1.0 / level)
+
+    def cells(self, level: int) -> float:
+        """Spacings along an edge."""
         return float(level)
 
 
@@ -105,7 +131,7 @@ class Bare:
         return 1.0 / self.body.mesh(AS_MESHED).spacing
 
 
-Cloud = Generated | Filed | Bare
+Cloud = Generated | Scattered | Filed | Bare
 
 
 def cloud_of(text: str) -> Cloud:
@@ -116,6 +142,8 @@ def cloud_of(text: str) -> Cloud:
         return Generated(tetrahedra=kind == "tet")
     if kind == "jitter":
         return Generated(jitter=_amount(where, rest))
+    if kind == "scattered":
+        return Scattered(_amount(where, rest))
     if kind in ("hex", "tet"):
         require(rest != "", f"{where}: a file is wanted after {kind}:")
         filed = Filed(rest)
@@ -138,7 +166,7 @@ def label_of(text: str) -> str:
     kind, _, rest = text.partition(":")
     if not rest:
         return kind
-    return f"{kind} {rest if kind == 'jitter' else Path(rest.split(',')[0]).stem}"
+    return f"{kind} {rest if kind in ('jitter', 'scattered') else Path(rest.split(',')[0]).stem}"
 
 
 def cube_surface(cells: int) -> Surface:

@@ -70,9 +70,9 @@ SHARE, INSTANTS, COARSEST = 0.25, 24, 96
 CFL = (0.35, 0.7, 0.9, 1.1, 1.3, 1.6)
 
 
-def cube_on(instance: Instance, *, scene: str, family: str) -> Scene:
+def cube_on(instance: Instance, *, scene: str, family: str, poisson_ratio: float = 0.3) -> Scene:
     """The swinging cube with the particles of a cloud."""
-    return replace(cube_scene(scene, family), body=instance.body)
+    return replace(cube_scene(scene, family, poisson_ratio=poisson_ratio), body=instance.body)
 
 
 def about_the_set_up(sim: sph.Simulation) -> Row:
@@ -93,9 +93,12 @@ def about_the_set_up(sim: sph.Simulation) -> Row:
 
 
 def cube(
-    *, cloud: str, level: int, method: Method, settings: Sequence[Setting], variant: str = ""
-) -> list[Row]:
+    *, cloud: str, level: int, method: Method, settings: Sequence[Setting], variant: str = "",
+    label: str = "", poisson_ratio: float = 0.3,
+) -> list[Row]:  # fmt: skip
     """Rows of every setting: the set-up once, then twelve errors each.
+
+    ``label`` stands in the column ``operator`` where that of the operator does not say the method.
 
     Twelve more with the stress recovered (``Recovery()``), as a variant of their own.  A run that
     diverged or folded has one row that says so.
@@ -104,10 +107,11 @@ def cube(
     rows: list[Row] = []
     for scene, family, formulation in settings:
         sim = method.but(formulation=formulation).simulation(
-            cube_on(instance, scene=scene, family=family), spacing=instance.spacing
+            cube_on(instance, scene=scene, family=family, poisson_ratio=poisson_ratio),
+            spacing=instance.spacing,
         )
         common = {
-            "cloud": label_of(cloud), "operator": sim.operator.name, "variant": variant,
+            "cloud": label_of(cloud), "operator": label or sim.operator.name, "variant": variant,
             "h": instance.h,
         }  # fmt: skip
         if not rows:

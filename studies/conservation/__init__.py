@@ -1,10 +1,11 @@
 """What is kept: momenta and energy of the L-shaped block and of the spinning cube.
 
-``python -m studies.conservation`` runs the second example of [Lee2017] section 8.1 (Figs. 6 to 8:
-a free block kicked by two opposite tractions) in the paper's setting with every formulation, H1 and
-H6, the operator as printed and the consistent one, with self-adjoint SUPG and with B-bar finite
-elements on the same disordered mesh; and a spinning cube whose momentum is known, where the energy
-budget must close but for the time integrator.
+``python -m studies.conservation`` runs the second example of [Lee2017] section 8.1 (Figs. 6 to 8: a
+free block kicked by two opposite tractions) in the paper's setting with every formulation, H1 and
+H6, the operator as printed and the consistent one, with the package default, self-adjoint SUPG and
+B-bar finite elements on the same disordered mesh; and a spinning cube whose momentum is known,
+where the energy budget must close but for the time integrator. The package default also moves free
+bodies of other shapes and cells.
 """
 
 from __future__ import annotations
@@ -32,6 +33,7 @@ from sphsolid.scheme.formulation import Formulation
 from studies.conservation import claims as judged
 from studies.conservation.figures import FIGURES, PICTURES
 from studies.conservation.runs import (
+    BODIES,
     DISORDER,
     END,
     LOAD_ENDS,
@@ -39,13 +41,15 @@ from studies.conservation.runs import (
     SLOW_SPIN,
     SPIN,
     Block,
+    Body,
     Cube,
     run_block,
+    run_body,
     run_cube,
 )
 from studies.engine.study import Case, Row, Study, Tables
 from studies.measures.tables import select
-from studies.methods import B_BAR, PAPER, SUPG, Method, said
+from studies.methods import B_BAR, PACKAGE, PAPER, SUPG, Method, said
 from studies.pictures.picture import keeping
 
 FORMULATIONS: tuple[Formulation, ...] = (sph.PF(), sph.PFJ(), sph.PFHJ())
@@ -72,7 +76,7 @@ def paper(
 
 
 def package(scene: Scene, formulation: Formulation) -> Method:
-    """self-adjoint SUPG, with another formulation where it would not choose this one."""
+    """Self-adjoint SUPG, with another formulation where it would not choose this one."""
     mine = formulation == recommend_supg(scene).formulation
     return SUPG if mine else SUPG.but(formulation=formulation)
 
@@ -100,6 +104,7 @@ def blocks() -> Iterator[Block]:
     """Every run of the L-shaped block."""
     for spacing in SPACINGS:
         yield Block("elements", B_BAR, spacing, pictured=True)
+        yield Block("default", PACKAGE, spacing, pictured=True)
         for formulation in FORMULATIONS:
             for operator in OPERATORS:
                 for secondary in (H1, H6):
@@ -115,10 +120,20 @@ def blocks() -> Iterator[Block]:
         yield Block("small load", usual, load=1e-3, until=LOAD_ENDS)
         for changed in changes(usual):
             yield Block("changed", changed)
-    for method in (paper(), paper(operator=CONSISTENT), B_BAR, SUPG):
+    for method in (paper(), paper(operator=CONSISTENT), B_BAR, PACKAGE, SUPG):
         yield Block("long", method, until=60.0)
         for jitter in (0.0, 0.4) if method is not SUPG else ():
             yield Block("disorder", method, jitter=jitter)
+
+
+def by_default(share: float, spacing: float = 0.25) -> Cube:
+    """The cube by the package default with a ``share`` of the usual step.
+
+    Its fastest waves are not damped.  At the usual step they make the largest residual, which then
+    is not yet in the range of its order in the step: orders are those of the smaller steps.
+    """
+    group = "usual default" if share == 1.0 else "default"
+    return Cube(group, PACKAGE, spacing, share * USUAL_CFL)
 
 
 def cubes() -> Iterator[Cube]:
@@ -142,6 +157,10 @@ def cubes() -> Iterator[Cube]:
             yield Cube("package", method, cfl=share * USUAL_CFL)
         if formulation != FORMULATIONS[2]:
             yield Cube("slow", method, cfl=USUAL_CFL, spin=SLOW_SPIN)
+    for share in (1.0, 0.5, 0.25, 0.125):
+        yield by_default(share)
+    yield Cube("slow default", PACKAGE, cfl=USUAL_CFL, spin=SLOW_SPIN)
+    yield by_default(1.0, 0.125)
     yield Cube("package", SUPG, 0.125, USUAL_CFL)
     for method in (printed, usual):
         yield Cube("no projection", bare(method), cfl=CFLS[0])
@@ -155,7 +174,13 @@ def cubes() -> Iterator[Cube]:
     yield Cube("slow", usual, cfl=CFLS[1], spin=SLOW_SPIN)
 
 
-def few() -> Iterator[Block | Cube]:
+def bodies() -> Iterator[Body]:
+    """Free bodies of every shape and kind of cells, by the package default."""
+    for shape, cloud in BODIES:
+        yield Body("default", PACKAGE, shape, cloud)
+
+
+def few() -> Iterator[Block | Cube | Body]:
     """The short form, a cross of the whole study."""
     for operator in OPERATORS:
         usual = paper(operator=operator)
@@ -165,29 +190,37 @@ def few() -> Iterator[Block | Cube]:
     yield Block("paper", paper(H1, formulation=sph.PFHJ()))
     yield Block("elements", B_BAR, pictured=True)
     yield Block("package", SUPG, pictured=True)
+    yield Block("default", PACKAGE, pictured=True)
     for share in (1.0, 0.5):
         yield Cube("package", SUPG, cfl=share * USUAL_CFL)
+        yield by_default(0.5 * share)
+    yield by_default(1.0)
+    # The set-ups of the plates take as long as the short form may.
+    yield from (body for body in bodies() if "plate" not in body.shape)
     for cfl in CFLS[:2]:
         yield Cube("ladder", paper(H1, CONSISTENT), cfl=cfl)
         yield Cube("elements", B_BAR, cfl=2.0 * cfl)
     yield Cube("support", paper(H1, CONSISTENT).but(h_over_dx=SMALL), cfl=CFLS[0])
 
 
-def tiny() -> Iterator[Block | Cube]:
+def tiny() -> Iterator[Block | Cube | Body]:
     """Runs of a second or two that compile every kernel of the study."""
     full = paper(H6, CONSISTENT, sph.PFHJ()).but(tau_p=sph.OfStep(0.1))
     yield Block("paper", full, 1.5, until=0.5)
-    for method in (paper(H6, CONSISTENT), B_BAR, SUPG):
+    for method in (paper(H6, CONSISTENT), B_BAR, PACKAGE, SUPG):
         yield Block("elements" if method is B_BAR else "paper", method, 1.5, until=6.0)
     usual = paper(H1, CONSISTENT)
-    for method in (usual, usual.but(integrator=sph.SSPRK3()), B_BAR, SUPG):
+    for method in (usual, usual.but(integrator=sph.SSPRK3()), B_BAR, PACKAGE, SUPG):
         yield Cube("ladder", method, 0.5, turns=0.25)
+    yield Body("default", PACKAGE, *BODIES[0])
 
 
-def case_of(one: Block | Cube, out: Path) -> Case:
+def case_of(one: Block | Cube | Body, out: Path) -> Case:
     """The case of a run; its cost is a guess of its seconds."""
     name = one.method.name
-    weight = 2.0 if "H6" in name else 0.3 if one.method is B_BAR else 1.0
+    if isinstance(one, Body):
+        return Case(one.key, run_body, {"body": one}, 2.0)
+    weight = 2.0 if "H6" in name else 0.3 if one.method in (B_BAR, PACKAGE) else 1.0
     if isinstance(one, Block):
         cost = weight * one.until / END * (0.9 / one.spacing) ** 4
         given = {"block": one, "shots": (out / "shots").as_posix()}
@@ -200,16 +233,18 @@ def case_of(one: Block | Cube, out: Path) -> Case:
 
 def cases(options: argparse.Namespace) -> Sequence[Case]:
     """All runs, or a cross of them."""
-    runs: list[Block | Cube] = [*few()] if options.quick else [*blocks(), *cubes()]
+    runs: list[Block | Cube | Body] = [*few()]
+    if not options.quick:
+        runs = [*blocks(), *cubes(), *bodies()]
     return [case_of(one, options.out) for one in runs]
 
 
 #: Tables made of rows: of the block and the cube a row a run, and of each a row a record.
-KINDS = ("table", "cube", "history", "cube_history")
+KINDS = ("table", "cube", "bodies", "history", "cube_history")
 
 
 def tables(rows: list[Row]) -> Tables:
-    """``table``: a row a run of the block; ``cube``; histories of both; ``orders``."""
+    """``table``: a row a run of the block; ``cube``; their histories; ``bodies``; ``orders``."""
     made = {kind: pd.DataFrame([row for row in rows if row["of"] == kind]) for kind in KINDS}
     for kind, table in made.items():
         require(len(table) > 0, f"studies.conservation: no case finished that gives {kind}.csv")
@@ -223,14 +258,20 @@ def words(tables: Tables) -> Mapping[str, Any]:
     scene = l_shaped_block()
     chosen = default_supg(recommend_supg(scene).formulation, scene.material)
     # What the figures show: {p,F}, H6 of the paper's.
-    in_package, elements = table["group"].eq("package"), table["method"].eq(B_BAR.name)
-    particles = table["formulation"].eq("{p,F}") & (table["secondary"].eq("H6") | in_package)
+    in_package = table["group"].isin(["package", "default"])
+    elements = table["method"].eq(B_BAR.name)
+    projected = table["group"].isin(["paper", "package", "default"])
+    mixed = table["formulation"].eq("{p,F}") & (table["secondary"].eq("H6") | in_package)
+    particles = mixed | table["method"].eq(PACKAGE.name)
     shown = table[particles | elements].copy()
     for axis, value in zip("xyz", judged.undeformed_impulse(), strict=True):
         shown[axis] = shown[f"L_{axis}"] / (value * shown["load"])
+    of_verlet = select(tables["orders"], integrator=default_integrator().name)
     nu, spinning = poisson_ratio(scene.material), spinning_cube()
     ladder = select(cube, group="ladder", cfl=CFLS[0])
+    of_default = cube[cube["group"].isin(["usual default", "default"])]
     mine = cube[cube["method"] != B_BAR.name]
+    usual = ["paper", "elements", "package", "default"]
     changed = table[table["group"].isin(["changed", "long"])]
     return {
         "scene": scene, "nu": nu, "E": 2.0 * scene.material.mu * (1.0 + nu), "chosen": chosen,
@@ -240,19 +281,20 @@ def words(tables: Tables) -> Mapping[str, Any]:
         "exact_L": spinning.material.density * SPIN / 6.0,
         "pictured": set(tables["history"]["spacing"]),
         "estimate": judged.undeformed_impulse(),
-        "projected": table[table["group"].isin(["paper", "package"])],
+        "projected": table[projected], "default": PACKAGE.name,
         "bare": select(table, group="no projection"),
-        "arms": shown[shown["group"].isin(["paper", "elements", "small load", "package"])],
-        "pressures": shown[shown["group"].isin(["paper", "elements", "disorder", "package"])]
+        "arms": shown[shown["group"].isin([*usual, "small load"])],
+        "pressures": shown[shown["group"].isin([*usual, "disorder"])]
         .sort_values(["spacing", "jitter"], ascending=[False, True], kind="stable"),
-        "energies": table[table["group"].isin(["paper", "elements", "package"])],
+        "energies": table[table["group"].isin(usual)],
         "changed": changed, "changed_kept": int((changed["outcome"] == "kept").sum()),
         "sizes": select(table, group="elements").set_index("spacing")["particles"],
         "ladder": ladder.sort_values("spacing", ascending=False).to_dict("records"),
         "fitted": select(tables["orders"], group="ladder")["order"],
         "mine": mine, "grown": mine[mine["outcome"] != "kept"],
         "usual": select(cube, group="package", method=SUPG.name).to_dict("records"),
-        "verlet": select(tables["orders"], integrator=default_integrator().name)["order"],
+        "by_default": of_default.to_dict("records"),
+        "verlet": of_verlet[of_verlet["method"] != PACKAGE.name]["order"],
     }  # fmt: skip
 
 

@@ -14,7 +14,7 @@ from studies.engine.results import Tables
 from studies.measures.folding import sound
 from studies.measures.order import fit_order
 from studies.measures.tables import select
-from studies.methods import B_BAR, SUPG
+from studies.methods import B_BAR, PACKAGE, SUPG
 
 #: Shares of the natural scales ``sum V |p|``, ``sum V |x| |p|`` below which a sum is round-off.
 ROUND_OFF = 1.0e-12
@@ -46,9 +46,10 @@ def undeformed_impulse(load: float = 1.0) -> np.ndarray:
 def orders(cube: pd.DataFrame) -> pd.DataFrame:
     """Fitted order of the residual in the CFL number, a row a setting.
 
-    Runs of the groups ``ladder``, ``methods``, ``elements`` and ``package`` that kept their energy.
+    Runs of the groups ``ladder``, ``methods``, ``elements``, ``package`` and ``default`` that kept
+    their energy.
     """
-    groups = ["ladder", "methods", "elements", "package"]
+    groups = ["ladder", "methods", "elements", "package", "default"]
     rows = []
     kept = cube[cube["group"].isin(groups) & (cube["outcome"] == "kept")]
     for key, runs in kept.groupby(SETTING, sort=False, dropna=False):
@@ -70,7 +71,7 @@ def orders(cube: pd.DataFrame) -> pd.DataFrame:
 def claims(tables: Tables) -> list[Claim]:
     """The claims of the paper in its order, then what was asked beyond it."""
     table, cube = tables["table"], tables["cube"]
-    # What is left to the package must keep what the paper's setting keeps.
+    # Self-adjoint SUPG must keep what the paper's setting keeps.
     runs = table[table["group"].isin(["paper", "package"])]
     return [
         *_of_the_paper(table, runs),
@@ -78,6 +79,7 @@ def claims(tables: Tables) -> list[Claim]:
         *_impulses(table, runs),
         *_of_the_cube(cube),
         *_of_orders(tables["orders"]),
+        *_of_the_default(tables),
     ]
 
 
@@ -131,7 +133,9 @@ def _impulses(table: pd.DataFrame, runs: pd.DataFrame) -> Iterator[Claim]:
 
 
 def _of_the_cube(cube: pd.DataFrame) -> Iterator[Claim]:
-    projected = cube[(cube["projection"] == "local") & (cube["method"] != B_BAR.name)]
+    projected = cube[
+        (cube["projection"] == "local") & ~cube["method"].isin([B_BAR.name, PACKAGE.name])
+    ]
     for kind in ("angular", "linear"):
         # Momenta are kept by a run that makes energy too, and by one that ends early.
         what = f"cube: {kind} momentum kept for ten turns"
@@ -151,16 +155,54 @@ def _of_the_cube(cube: pd.DataFrame) -> Iterator[Claim]:
 
 
 def _of_orders(fitted: pd.DataFrame) -> Iterator[Claim]:
-    own = fitted[fitted["method"] != B_BAR.name]
+    of_supg = fitted[~fitted["method"].isin([B_BAR.name, PACKAGE.name])]
+    for own in (of_supg, select(fitted, method=PACKAGE.name)):
+        for column, what in (
+            ("order", "cube: the residual falls as dt^2 or faster"),
+            ("order_left_over", "cube: so does it with the projection's work"),
+        ):
+            if len(own):
+                worst = own.loc[own[column].idxmin()]
+                yield Claim(
+                    what, float(worst[column]), ">=", SECOND_ORDER, where=_name(worst),
+                    format=".2f",
+                )  # fmt: skip
+
+
+def _of_the_default(tables: Tables) -> Iterator[Claim]:
+    """Momenta of every body with the restraint on, and energy that only goes."""
+    block, cube = (select(tables[name], method=PACKAGE.name) for name in ("table", "cube"))
+    name = PACKAGE.name
+    whole = block[block["group"].isin(["default", "long", "disorder"])]
     for column, what in (
-        ("order", "cube: the residual falls as dt^2 or faster"),
-        ("order_left_over", "cube: so does it with the projection's work"),
+        ("linear", "linear momentum is zero to round-off"),
+        ("angular_free", "angular momentum is constant without loads"),
     ):
-        if len(own):
-            worst = own.loc[own[column].idxmin()]
-            yield Claim(
-                what, float(worst[column]), ">=", SECOND_ORDER, where=_name(worst), format=".2f"
-            )
+        yield from _every(whole, column, f"{name}: {what}", ROUND_OFF)
+    yield from _every(
+        whole, "impulse_gap", f"{name}: angular momentum at 5 s is the applied impulse",
+        SAME_IMPULSE,
+    )  # fmt: skip
+    for kind in ("angular", "linear"):
+        what = f"{name}, cube: {kind} momentum kept for ten turns"
+        yield from _every(cube, f"{kind}_total", what, ROUND_OFF)
+    bodies = tables["bodies"]
+    drifts = bodies[["linear_drift", "angular_drift"]].max(axis=1)
+    drifts = drifts.where(bodies["outcome"] == "kept")
+    names = (bodies["shape"] + ", " + bodies["cloud"]).tolist()
+    if len(bodies):
+        worst = int(np.argmax(drifts.fillna(math.inf)))
+        yield Claim(
+            "both momenta of free bodies", dict(zip(names, drifts.astype(float), strict=True)),
+            "<=", ROUND_OFF, where=name, wanted=f"at most {ROUND_OFF:.0e}",
+            said=f"{format_cell(float(drifts.iloc[worst]), '.1e')} at most, {names[worst]}; "
+            f"{len(names)} bodies",
+        )  # fmt: skip
+    for runs, what in ((whole, "block"), (cube, "cube")):
+        yield from _every(
+            runs, "given_back", f"{name}, {what}: the restraint takes energy between any records",
+            ROUND_OFF,
+        )  # fmt: skip
 
 
 def _every(

@@ -26,7 +26,7 @@ from studies.engine.plotting import (
 )
 from studies.engine.results import Results, Tables
 from studies.measures.tables import select
-from studies.methods import B_BAR, PAPER, SUPG
+from studies.methods import B_BAR, PACKAGE, PAPER, SUPG
 from studies.pictures.frame import Absent
 from studies.pictures.picture import Panel, Percentile, Picture, Plan
 from studies.pictures.view import Around, angled_view
@@ -37,6 +37,7 @@ LOOKS: dict[str, dict[str, Any]] = {
     PRINTED: PAPER.look | {"linestyle": "--", "markerfacecolor": "white"},
     CONSISTENT: PAPER.look,
     SUPG.name: SUPG.look,
+    PACKAGE.name: PACKAGE.look,
     B_BAR.name: B_BAR.look | {"linestyle": "none", "markerfacecolor": "white"},
 }
 
@@ -110,7 +111,7 @@ _TERMS = (
     ("kinetic", "kinetic energy", BLUE, "-"),
     ("deviatoric", "strain energy, deviatoric", VERMILION, "-"),
     ("volumetric", "strain energy, volumetric", ORANGE, "-"),
-    ("dissipation", "dissipation D(p)", PURPLE, "--"),
+    ("dissipation", "dissipation", PURPLE, "--"),
     ("projection", "work of the projection", SKY, "--"),
     ("residual", "residual", GREEN, ":"),
 )
@@ -118,8 +119,8 @@ _TERMS = (
 
 def budget(results: Results) -> Figure:
     """Every term of the energy budget of the block, linear and logarithmic."""
-    figure, axes = panels(2, 3, width=2.7, height=2.4)
-    for j, method in enumerate((PRINTED, CONSISTENT, SUPG.name)):
+    figure, axes = panels(2, 4, width=2.7, height=2.4)
+    for j, method in enumerate((PRINTED, CONSISTENT, SUPG.name, PACKAGE.name)):
         run = _run(results.tables["history"], method)
         for name, label, colour, style in _TERMS:
             for i in (0, 1):
@@ -144,7 +145,9 @@ def cube(results: Results) -> Figure:
 
 def _left_over(ax: Axes, table: pd.DataFrame) -> None:
     kept = table[(table["outcome"] == "kept") & (table["left_over"] > 0.0)]
+    kept = kept.assign(group=kept["group"].replace("usual default", "default"))
     rows = (
+        ("default", PACKAGE.look, PACKAGE.name),
         ("package", SUPG.look, SUPG.name),
         ("ladder", PAPER.look, "paper, {p,F}, H1, Consistent"),
         ("methods", PAPER.look | {"linestyle": ":"}, "paper, {p,F}, H1, Consistent, SSP-RK3"),

@@ -19,6 +19,7 @@ from sphsolid.record import EnergyBudget, MomentumDrift, Snapshot
 from sphsolid.record.recorders import AXES, Recorder
 from sphsolid.scenes import Scene, l_shaped_block, spinning_cube
 from sphsolid.scenes.l_shaped_block import PUBLISHED_SPACING
+from studies.clouds.runs import conservation
 from studies.measures.indicators import pressure_noise, pressure_range
 from studies.measures.run import Ran, run
 from studies.measures.setting import setting
@@ -36,6 +37,12 @@ LOAD_ENDS, END, EVERY = 5.0, 20.0, 0.25
 DISORDER = 0.2
 #: Instants [s] of the pictures.
 SHOT_TIMES = (2.5, 5.0, 10.0, 15.0, 20.0)
+#: Shapes and clouds of the free bodies, as ``studies.clouds`` names them.
+BODIES = (
+    ("cube", "lattice"), ("cube", "jitter 0.4"), ("cube", "tet"), ("L-block", "lattice"),
+    ("L-block", "jitter 0.4"), ("cylinder", "hex file"), ("cylinder", "tet file"),
+    ("plate with a hole", "hex file"), ("plate with a hole", "tet file"),
+)  # fmt: skip
 #: Records a turn, and turns.
 RECORDS_A_TURN, TURNS = 16, 10.0
 #: [rad/s]; ten times slower, ten turns take ten times the steps and have a hundredth of the energy.
@@ -64,8 +71,20 @@ def drifts(history: pd.DataFrame, kind: str) -> Array:
 
 
 def dissipated(history: pd.DataFrame) -> Array:
-    """Work of ``D(p)`` and ``D(J)`` [J], negative where they take energy."""
-    return np.asarray(history["dissipation_p [J]"] + history["dissipation_J [J]"], float)
+    """Work of ``D(p)``, ``D(J)`` and a restraint [J], negative where they take energy."""
+    of_supg = history["dissipation_p [J]"] + history["dissipation_J [J]"]
+    return np.asarray(of_supg, float) + of_restraint(history)
+
+
+def of_restraint(history: pd.DataFrame) -> Array:
+    """Work of a restraint's viscosity [J]; zeros where there is none."""
+    name = "dissipation_restraint [J]"
+    return np.asarray(history[name] if name in history else np.zeros(len(history)), float)
+
+
+def given_back(history: pd.DataFrame) -> float:
+    """The most that a restraint gave back between two records [J]: nothing, if it dissipates."""
+    return float(np.diff(of_restraint(history)).max(initial=0.0))
 
 
 def left_over(history: pd.DataFrame) -> Array:
@@ -182,6 +201,7 @@ def _measures(history: pd.DataFrame) -> Row:
         "angular_total": drifts(history, "angular")[when > 0.0].max(initial=0.0),
         "work": work,
         "dissipated": 0.0 - dissipated(history)[-1] / work,
+        "given_back": given_back(history) / work,
         "residual": end["energy_rest [J]"] / work,
         "left_over": left_over(history)[-1] / work,
         "J_min": history["J_min"].min(),
@@ -271,6 +291,7 @@ def run_cube(*, cube: Cube, keep_history: bool) -> list[Row]:
         "left_over": np.abs(missed).max(),
         "energy_kept": energy[-1] / energy[0],
         "dissipated": 0.0 - gone[-1],
+        "given_back": given_back(history) / energy[0],
         "projection_work": end["work_projection [J]"] / energy[0],
     }
     how = ended(ran, missed[-1])
@@ -291,3 +312,29 @@ def run_cube(*, cube: Cube, keep_history: bool) -> list[Row]:
         named |= {"of": "cube_history", "cfl": made["cfl"]}
         rows += [named | record for record in frame.to_dict("records")]
     return rows
+
+
+@dataclass(frozen=True)
+class Body:
+    """A free body of ``studies.clouds`` that spins, shears and breathes."""
+
+    group: str
+    method: Method
+    shape: str
+    cloud: str
+
+    @property
+    def key(self) -> str:
+        """What tells it from the others."""
+        return f"body: {self.method.name}, {self.shape}, {self.cloud}"
+
+
+def run_body(*, body: Body) -> list[Row]:
+    """A row ``bodies``: drifts of both momenta over their scales."""
+    (row,) = conservation(
+        shape=body.shape, cloud=body.cloud, method=body.method, operator=body.method.name
+    )
+    empty = dict.fromkeys(("linear_drift", "angular_drift"), math.nan)
+    kept = ("shape", "cloud", "outcome", "steps", "particles", "why", *empty)
+    named = {"of": "bodies", "group": body.group, "method": body.method.name}
+    return [named | empty | {name: row[name] for name in kept if name in row}]

@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 from studies.engine.plotting import outside_legend, panels
 from studies.engine.results import Results, Tables
 from studies.measures.tables import select
-from studies.methods import B_BAR, SUPG, Method
+from studies.methods import B_BAR, PACKAGE, SUPG, Method
 from studies.pictures.colours import ColourRange
 from studies.pictures.frame import CELL, Absent
 from studies.pictures.panels import Layout
@@ -32,6 +32,7 @@ from studies.punch.runs import (
     HELD,
     INITIAL,
     LITERAL,
+    OWN_OPERATOR,
     READINGS,
     WIDE,
     WIDE_NO_TAU_P,
@@ -47,7 +48,7 @@ EARLY, LATE = (0.005, 0.01, COMPARED), (0.005, 0.01, 0.015, 0.02, 0.025, 0.03)
 #: (a) to (d) of Fig. 10: particles alone, whose own values are shown.
 FIG_10 = (CLASSICAL, GALERKIN, H6_NO_TAU_P, H6)
 #: Methods whose frames are kept.
-PICTURED = (*FIG_10, H1, B_BAR)
+PICTURED = (*FIG_10, H1, PACKAGE, B_BAR)
 
 
 def noise_figure(results: Results) -> Figure:
@@ -62,7 +63,7 @@ def noise_figure(results: Results) -> Figure:
             if points:
                 above.plot(*zip(*points, strict=True), label=label, **look)
         above.set(title=f"{reading.name}: mean of 0.5 to 15 ms", xlabel="tau_p / dt [-]")
-        for method in (CLASSICAL, GALERKIN, H6_NO_TAU_P, H6, H1, SUPG, B_BAR):
+        for method in (CLASSICAL, GALERKIN, H6_NO_TAU_P, H6, H1, SUPG, PACKAGE, B_BAR):
             _over_time(below, results, reading, method, "noise")
         below.set(title=f"{reading.name}: over time", xlabel="time [ms]")
         for ax in (above, below):
@@ -112,7 +113,7 @@ def profile_figure(results: Results) -> Figure:
         above, below = axes[:, column]
         for edge in INDEPENDENT[reading.name]:
             above.axhline(edge, color="0.6", linewidth=0.8, linestyle="--")
-        for method in (CLASSICAL, H6, H1, SUPG, B_BAR):
+        for method in (CLASSICAL, H6, H1, SUPG, PACKAGE, B_BAR):
             run = one_run(table, reading, method)
             mine = select(at, key=run["key"].iloc[0]).sort_values("X") if len(run) else at[:0]
             if len(mine):
@@ -139,7 +140,7 @@ def height_figure(results: Results) -> Figure:
     table = results.tables["table"]
     figure, axes = panels(1, 3, width=3.0, height=2.7)
     over_time, energy, refined = axes.flat
-    for method in (CLASSICAL, H6, H1, SUPG, B_BAR):
+    for method in (CLASSICAL, H6, H1, SUPG, PACKAGE, B_BAR):
         _over_time(over_time, results, INITIAL, method, "top_low [m]")
         _over_time(energy, results, INITIAL, method, "total_energy [J]")
         runs = select(table, press=INITIAL.name, method=method.name)
@@ -173,12 +174,12 @@ def _evolution(reading: Reading, operator: Any, tables: Tables) -> Plan:
 
 def _comparison(tables: Tables) -> Plan:
     lattices = tables["table"].groupby("cells")["lattice"].first().tolist()
-    shown = [(H6, 0), (H1, 0), (B_BAR, 0), (H1, 1), (B_BAR, 1)]
+    shown = [(H6, 0), (H1, 0), (PACKAGE, 0), (B_BAR, 0), (H1, 1), (PACKAGE, 1), (B_BAR, 1)]
     return [
         [
             _panel(
                 tables, reading, method, COMPARED, level=level,
-                label=f"{B_BAR.name if method == B_BAR else method.name.split()[-1]}\n"
+                label=f"{method.name if method in OWN_OPERATOR else method.name.split()[-1]}\n"
                 f"{lattices[level]}",
             )
             for reading in READINGS

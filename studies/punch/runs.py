@@ -21,7 +21,7 @@ from sphsolid.scenes.punch import Press
 from studies.engine.case import Row
 from studies.measures.indicators import pressure_noise, pressure_range
 from studies.measures.run import run
-from studies.methods import B_BAR, DISPLACEMENT, PAPER, SUPG, UNSTABILISED, Method
+from studies.methods import B_BAR, DISPLACEMENT, PACKAGE, PAPER, SUPG, UNSTABILISED, Method
 from studies.pictures.shots import SaveShots, ShotFolder
 
 #: The instant [s] at which the paper compares methods (Fig. 11), and the time between records.
@@ -125,7 +125,7 @@ def lattice_name(mesh: Mesh) -> str:
 def simulation(
     reading: Reading, method: Method, operator: OperatorKind | None, cells: int, until: float
 ) -> Any:
-    """A solver with ``cells`` a metre; elements have no ``operator``."""
+    """A solver with ``cells`` a metre; ``operator`` is ``None`` for :data:`OWN_OPERATOR`."""
     chosen = method if operator is None else method.but(operator=operator)
     return chosen.simulation(punch(press=reading.press, end_time=until), spacing=1.0 / cells)
 
@@ -154,12 +154,14 @@ def run_case(
         "kind": "run",
         "press": reading.name,
         "method": method.name,
-        "operator": "" if operator is None else operator.name,
+        "operator": sim.operator.name if isinstance(sim, sph.Simulation) else "",
         "lattice": lattice_name(mesh),
         "cells": cells,
         "particles": len(mesh.vertices),
         "h_over_dx": getattr(sim, "h_over_dx", float("nan")),
-        "integrator": sim.integrator.name if operator else "central differences",
+        "integrator": (
+            sim.integrator.name if isinstance(sim, sph.Simulation) else "central differences"
+        ),
         "until": until,
     } | ran.columns()
     instants = [{"kind": "instant"} | _kept(each) for each in ran.history.to_dict("records")]
@@ -224,4 +226,6 @@ def run_cost(
 BOTH_OPERATORS: tuple[Method, ...] = (
     CLASSICAL, GALERKIN, H6_NO_TAU_P, H6, H1, SUPG, *WITH_TAU_F.values(), WIDE_NO_TAU_P, WIDE,
 )  # fmt: skip
-FINER = (B_BAR, CLASSICAL, H6_NO_TAU_P, H6, H1, SUPG)
+#: Elements have no operator, and the default chooses its own.
+OWN_OPERATOR = (B_BAR, PACKAGE)
+FINER = (B_BAR, PACKAGE, CLASSICAL, H6_NO_TAU_P, H6, H1, SUPG)

@@ -14,7 +14,7 @@ from studies.engine.results import Tables
 from studies.measures import folding
 from studies.measures.tables import select
 from studies.methods import B_BAR, Method
-from studies.punch.runs import COMPARED, CONSISTENT, EVERY, Reading
+from studies.punch.runs import COMPARED, CONSISTENT, EVERY, OWN_OPERATOR, Reading
 
 RUN = [
     "key", "press", "method", "operator", "lattice", "cells", "particles", "h_over_dx",
@@ -64,7 +64,9 @@ def one_run(
     if level >= len(levels):
         return table.iloc[:0]
     found = select(table, press=reading.name, method=method.name, cells=levels[level])
-    return found.head(1) if method == B_BAR else select(found, operator=operator.name).head(1)
+    if method not in OWN_OPERATOR:
+        found = select(found, operator=operator.name)
+    return found.head(1)
 
 
 def elements(table: pd.DataFrame, reading: Reading) -> pd.DataFrame:

@@ -157,6 +157,40 @@ def passes(sim: sph.Simulation) -> list[Pass]:
     return listed
 
 
+@dataclass(frozen=True)
+class Needs:
+    """``flops`` and ``bytes`` of a whole step."""
+
+    flops: float
+    bytes: float
+
+
+def lean_needs(sim: sph.Simulation) -> Needs:
+    """What a step of the displacement form with a restraint must do at least, however it is fused.
+
+    Two sweeps: positions and velocities give a stress, and all three give the next ones.  Each
+    array is read and written once a sweep; off a lattice the operator is read in both.  Operations
+    are the gradients of positions and of velocities, the stress, the divergence, and the restraint:
+    on lattice lines a fourth difference of five terms of both along three axes, and its adjoint;
+    elsewhere of every pair of it both mean gradients times the pair's arm, and back.
+    """
+    n = sim.cloud.size
+    field, tensor = 3.0 * _DOUBLE, 9.0 * _DOUBLE
+    moved = (2.0 * field + 2.0 * tensor) + (2.0 * field + tensor + 4.0 * field)
+    work = float(counting.stress_operations(sim.scene.material, has_H=False, has_J=False))
+    if isinstance(sim.operator, sph.LatticeDifference):
+        # A line has ``order`` terms, each a product and a sum for three components.
+        work += 3.0 * 6.0 * 3.0 * sim.operator.order + 2.0 * 2.0 * 2.0 * 5.0 * 9.0
+        return Needs(n * work, n * moved)
+    A = sim.cloud.kinematic
+    # Edges of cells: about three a particle, seen from either end.
+    edges = 6.0 * n
+    return Needs(
+        n * work + 3.0 * 18.0 * pairs_of(A) + 2.0 * 2.0 * 18.0 * edges,
+        n * moved + 2.0 * bytes_of(A),
+    )
+
+
 def update_bytes(sim: sph.Simulation) -> float:
     """Bytes that advancing the fields moves in one step, whatever the integrator: once each way."""
     fields = [sim.state.x, *(sim.state[name] for name in sim._rhs.evolved)]
@@ -164,4 +198,4 @@ def update_bytes(sim: sph.Simulation) -> float:
     return float(sum(_DOUBLE * field.size * 4 * stages for field in fields))
 
 
-__all__ = ["Pass", "bytes_of", "pairs_of", "passes", "update_bytes"]
+__all__ = ["Needs", "Pass", "bytes_of", "lean_needs", "pairs_of", "passes", "update_bytes"]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import math
 import warnings
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
@@ -36,6 +37,8 @@ Array = NDArray[np.float64]
 YOUNG, DENSITY = 17.0e6, 1100.0
 #: Instants at which a run is looked at.
 RECORDS = 50
+#: The end of the paper's column [s]: longer ones say the energy that was left then.
+TENTH = 0.1
 #: A step this much below the first means that a particle is about to collapse.
 COLLAPSED = 1.0 / 200.0
 #: Seeds are small beside everything, so the solid answers linearly: velocity over wave speed,
@@ -134,7 +137,7 @@ def energy_shares(history: Mapping[str, Array]) -> Row:
     Put in: what was there and the works of loads and prescribed motion.  ``kept`` at the end;
     ``gain`` the largest excess over what was put in, at any record; ``projection``, ``defect``
     and ``rest`` (the time integrator) at the end, positive where energy was made; dissipated by
-    ``D(p)`` and by ``D(J)``, negative where the stabilisation made energy.
+    ``D(p)``, by ``D(J)`` and by a restraint, negative where the stabilisation made energy.
     """
     total = history["total_energy [J]"]
     work = sum(history[f"work_{name} [J]"] for name in ("traction", "body_force", "constraint"))
@@ -143,12 +146,18 @@ def energy_shares(history: Mapping[str, Array]) -> Row:
     end = {
         "energy_kept": total, "dissipated_p": -history["dissipation_p [J]"],
         "dissipated_J": -history["dissipation_J [J]"],
+        "dissipated_restraint": 0.0 - _column(history, "dissipation_restraint [J]"),
         "energy_projection": history["work_projection [J]"],
         "energy_defect": history["work_adjoint_defect [J]"],
         "energy_rest": history["energy_rest [J]"],
     }  # fmt: skip
     shares = {name: float(values[-1] / scale[-1]) for name, values in end.items()}
     return shares | {"energy_gain": float(np.max((total - put_in) / scale))}
+
+
+def _column(history: Mapping[str, Array], name: str) -> Array:
+    """A work that not every method has; zeros where it has none."""
+    return history.get(name, np.zeros_like(history["total_energy [J]"]))
 
 
 def settings(solver: sph.Simulation | fem.Simulation) -> Row:
@@ -187,11 +196,22 @@ class Column:
         )  # fmt: skip
         body = replace(scene.body, jitter=self.jitter)  # type: ignore[type-var]
         solver = method.simulation(replace(scene, body=body), spacing=h)
-        history, row = followed(solver, Measured({"angle": twist_of_top}))
+        history, row = followed(solver, Measured({"angle": twist_of_top, "height": height_of_top}))
         twist = itertools.accumulate(
             history["angle"], lambda last, angle: whole_turns(angle, last), initial=0.0
         )
-        return row | {"answer": max(map(abs, twist)), "answer_is": "largest twist [rad]"}
+        energy = history["total_energy [J]"]
+        at = np.isclose(history["time [s]"], TENTH)
+        return row | {
+            "answer": max(map(abs, twist)), "answer_is": "largest twist [rad]",
+            "top_height": float(history["height"][-1]) if row["survived"] else math.nan,
+            "energy_at_tenth": float(energy[at][0] / energy[0]) if at.any() else math.nan,
+        }  # fmt: skip
+
+
+def height_of_top(shot: Snapshot) -> float:
+    """Mean height [m] of the particles of the top face."""
+    return float(shot.x[np.isclose(shot.X[:, 1], shot.X[:, 1].max()), 1].mean())
 
 
 @dataclass(frozen=True)

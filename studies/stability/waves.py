@@ -27,7 +27,7 @@ from studies.engine.plotting import outside_legend, panels
 from studies.engine.results import Results, Tables
 from studies.measures.run import run
 from studies.measures.tables import select
-from studies.methods import B_BAR, SUPG, Method
+from studies.methods import B_BAR, PACKAGE, SUPG, Method
 from studies.stability.hard_cases import LONG_METHODS
 from studies.stability.hard_problems import DENSITY, YOUNG, Measured, solid
 
@@ -47,6 +47,9 @@ PULSE_SPEED = 1.0e-5
 VIBRATION_NU, PULSE_NU = (0.3, 0.495), (0.0, 0.495)
 #: Energy that a mode must keep for ten periods, and largest error of its frequency.
 LEAST_LEFT, MOST_OFF = 0.98, 0.02
+#: Asked of the package default: damping ratio on 1/8, and error of the frequency by cells a metre.
+DAMPING = {0.3: 1.0e-4, 0.495: 1.0e-3}
+OFF = {(0.3, 8): 0.01, (0.495, 8): 0.02, (0.3, 16): 0.003, (0.495, 16): 0.003}
 #: A pulse may be off by this many times what it is with B-bar elements.
 AS_ELEMENTS = 1.25
 
@@ -263,10 +266,10 @@ def _spread(X: Array, weight: Array) -> tuple[float, float]:
 
 
 def wave_cases(*, quick: bool) -> Iterator[Case]:
-    """The mode of the block on 1/8 and 1/12, and the pulse; coarse and two methods in short."""
-    two = (SUPG, B_BAR)
+    """The mode of the block on 1/8, 1/12 and 1/16, and the pulse; coarse and few in short."""
+    two = (PACKAGE, SUPG, B_BAR)
     for nu in VIBRATION_NU[:1] if quick else VIBRATION_NU:
-        runs = [(4, two)] if quick else [(8, LONG_METHODS), (12, two)]
+        runs = [(4, two)] if quick else [(8, LONG_METHODS), (12, two), (16, two)]
         for cells, methods in runs:
             for method in methods:
                 cost = 1.0e-3 * cells**4 * (4.0 if nu > 0.4 else 1.0)
@@ -303,8 +306,14 @@ def wave_tables(rows: list[Row]) -> dict[str, pd.DataFrame]:
 
 
 def wave_claims(tables: Tables) -> list[Claim]:
-    """Of self-adjoint SUPG, beside elements."""
-    ours, theirs = (select(tables["vibration"], method=m.name) for m in (SUPG, B_BAR))
+    """Of the package default and of self-adjoint SUPG, beside elements."""
+    of_both = [claim for method in (PACKAGE, SUPG) for claim in _as_elements(tables, method)]
+    return [*_default_claims(tables), *of_both]
+
+
+def _as_elements(tables: Tables, method: Method) -> Iterator[Claim]:
+    """Energy and frequency of the vibration, and the error of the pulse."""
+    ours, theirs = (select(tables["vibration"], method=m.name) for m in (method, B_BAR))
     kept = (ours["energy_left"] >= LEAST_LEFT) & (ours["frequency_error"].abs() <= MOST_OFF)
     parts = [
         f"nu {row.nu:g} on 1/{row.cells}: {row.energy_left:.1%} left, frequency "
@@ -312,22 +321,57 @@ def wave_claims(tables: Tables) -> list[Claim]:
         for row in ours.itertuples()
     ]
     beside = [f"{row.energy_left:.1%}, {row.frequency_error:+.1%}" for row in theirs.itertuples()]
-    vibrates = Claim.counted(
+    yield Claim.counted(
         "a free vibration keeps its energy and its frequency", int(kept.sum()), len(ours),
         said="; ".join(parts) + (f" ({B_BAR.name}: {'; '.join(beside)})" if beside else ""),
         wanted=f"{LEAST_LEFT:.0%} of the energy, frequency within {MOST_OFF:.0%}",
-        where=SUPG.name,
+        where=method.name,
     )  # fmt: skip
-    error = tables["pulse"].pivot_table(index="nu", columns="method", values="error")
-    near = {}
-    if {SUPG.name, B_BAR.name} <= set(error):
-        ratio = error[SUPG.name] / error[B_BAR.name]
-        near = {f"nu {nu:g}": float(value) for nu, value in ratio.items()}
-    arrives = Claim(
-        "a pulse three spacings wide arrives as with elements: its error over theirs", near, "<=",
-        AS_ELEMENTS, where=SUPG.name,
+    yield Claim(
+        "a pulse three spacings wide arrives as with elements: its error over theirs",
+        _over_elements(tables["pulse"], method), "<=", AS_ELEMENTS, where=method.name,
     )  # fmt: skip
-    return [vibrates, arrives]
+
+
+def _over_elements(pulses: pd.DataFrame, method: Method) -> dict[str, float]:
+    """Error of the pulse over that of elements, by Poisson's ratio."""
+    error = pulses.pivot_table(index="nu", columns="method", values="error")
+    if not {method.name, B_BAR.name} <= set(error):
+        return {}
+    ratio = error[method.name] / error[B_BAR.name]
+    return {f"nu {nu:g}": float(value) for nu, value in ratio.items()}
+
+
+def _default_claims(tables: Tables) -> Iterator[Claim]:
+    """What is asked of the package default alone, by Poisson's ratio and spacing."""
+    runs = tables["vibration"].set_index(["method", "nu", "cells"])
+    known = [key for key in OFF if (PACKAGE.name, *key) in runs.index]
+    ours = {key: runs.loc[(PACKAGE.name, *key)] for key in known}
+    damping = {nu: float(ours[nu, 8]["damping_ratio"]) for nu in DAMPING if (nu, 8) in ours}
+    yield Claim(
+        "damping ratio of a free vibration on 1/8",
+        {f"nu {nu:g}": value for nu, value in damping.items()}, "<=",
+        {f"nu {nu:g}": DAMPING[nu] for nu in damping}, where=PACKAGE.name, format=".1e",
+    )  # fmt: skip
+    names = {key: f"nu {key[0]:g} on 1/{key[1]}" for key in known}
+    theirs = {
+        name: f"{runs.loc[(B_BAR.name, *key)]['frequency_error']:+.2%}"
+        for key, name in names.items() if (B_BAR.name, *key) in runs.index
+    }  # fmt: skip
+    said = "; ".join(
+        f"{name}: {ours[key]['frequency_error']:+.2%} ({B_BAR.name} {theirs.get(name, '-')})"
+        for key, name in names.items()
+    )
+    yield Claim(
+        "frequency of a free vibration, off by",
+        {name: abs(float(ours[key]["frequency_error"])) for key, name in names.items()}, "<=",
+        {name: OFF[key] for key, name in names.items()}, where=PACKAGE.name, said=said,
+        format=".1%",
+    )  # fmt: skip
+    yield Claim(
+        "error of a pulse three spacings wide over that of elements",
+        _over_elements(tables["pulse"], PACKAGE), "<=", 1.0, where=PACKAGE.name, format=".2f",
+    )  # fmt: skip
 
 
 #: Where a bar is cut, with its value above it [%]: one that grew a millionfold would leave

@@ -32,6 +32,7 @@ from studies.twisting_column import outside
 from studies.twisting_column.claims import residual_by_step
 from studies.twisting_column.methods import (
     CLASSICAL,
+    DEFAULT,
     FEM,
     H1,
     H6,
@@ -67,7 +68,7 @@ def twist_by_lattice(results: Results) -> Figure:
     """
     figure, axes = panels(1, 2, width=4.2, height=3.1)
     runs = usual(results.tables["table"])
-    methods = [one for one in (H1, H6, PLAIN, LITERAL, FEM) if has_limit(runs, one.name)]
+    methods = [one for one in (H1, H6, DEFAULT, PLAIN, LITERAL, FEM) if has_limit(runs, one.name)]
     for ax, ms in zip(axes.flat, (60, 100), strict=True):
         known = outside.twist(ms)
         share = 100.0 * known.within / known.value
@@ -174,7 +175,7 @@ def energy(results: Results) -> Figure:
         ylim=(95.0, 106.0),
     )  # fmt: skip
     curves = []
-    for method in (H1, H6, PLAIN, NO_TAU_P):
+    for method in (H1, H6, DEFAULT, PLAIN, NO_TAU_P):
         residual = residual_by_step(table, method.name)
         curves.append(Curve(method.name, list(residual.index), list(residual), method.look))
     convergence_panel(
@@ -198,7 +199,7 @@ def accuracy(results: Results) -> Figure:
         (axes[0, 2], "mean_rms", "its mean over the next 10 ms", "relative rms difference"),
     ):
         curves = []
-        for method in (H1, H6, PLAIN, LITERAL, FEM):
+        for method in (H1, H6, DEFAULT, PLAIN, LITERAL, FEM):
             run = select(runs, method=method.name)
             curves.append(Curve(method.name, 1.0 / run["cells"], run[column], method.look))
         convergence_panel(ax, curves, title=title, x_label="spacing [m]", y_label=name)
@@ -216,7 +217,7 @@ def percentiles(results: Results) -> Figure:
         ("pressure_free_", "at centroids, Y > 0.5 m"),
         ("pressure_mean_", "there, mean over 100 .. 110 ms"),
     ), strict=True):  # fmt: skip
-        for method in (H1, H6, PLAIN, FEM):
+        for method in (H1, H6, DEFAULT, PLAIN, FEM):
             run = select(runs, method=method.name).sort_values("cells")
             for share in (1, 99):
                 name = method.name if share == 1 else "_"
@@ -261,7 +262,7 @@ def noise(results: Results) -> Figure:
     coarse = 5 if 5 in set(select(history, method=PLAIN.name)["cells"]) else 3
     finest = finest_of(history, PLAIN.name, NO_TAU_P.name)
     for ax, cells in zip(axes.flat, (coarse, finest), strict=True):
-        for method in (H1, H6, PLAIN, NO_TAU_P, FEM):
+        for method in (H1, H6, DEFAULT, PLAIN, NO_TAU_P, FEM):
             run = select(history, method=method.name, cells=cells).iloc[1:]
             if len(run):
                 _line(ax, run, "noise_free", method.name, method.look)
@@ -300,7 +301,8 @@ def methods(tables: Tables) -> Plan:
     asked = [
         (f"paper, H1\n{lattice(ultra)}", H1, ultra, END),
         (f"paper, H1\n{lattice(cells)}", H1, cells, END),
-        (f"package\ndefault {lattice(cells)}", PLAIN, cells, END),
+        (f"package\ndefault {lattice(cells)}", DEFAULT, cells, END),
+        (f"self-adjoint\nSUPG {lattice(cells)}", PLAIN, cells, END),
         (f"as printed\n{lattice(cells)}", LITERAL, cells, END),
         (f"displacement\nSPH {lattice(cells)}", CLASSICAL, cells, END),
         (f"B-bar FEM\n{lattice(cells)}", FEM, cells, END),

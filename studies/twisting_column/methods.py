@@ -6,7 +6,7 @@ import pandas as pd
 
 import sphsolid as sph
 from studies.measures.tables import select
-from studies.methods import B_BAR, DISPLACEMENT, PAPER, SUPG, Method, Times
+from studies.methods import B_BAR, DISPLACEMENT, PACKAGE, PAPER, SUPG, Method, Times
 from studies.twisting_column.runs import NU
 
 #: The paper's lattices have 4x19x4, 5x25x5, 6x31x6 particles; the ultra-fine one is not published.
@@ -20,7 +20,8 @@ H1 = PAPER.but(
 H6 = H1.but(
     name="paper, {p,F,H,J}, H6", line="--", marker="^", secondary=sph.H6(), xi_F=0.0,
 )  # fmt: skip
-PLAIN, FEM = SUPG, B_BAR
+DEFAULT, PLAIN, FEM = PACKAGE, SUPG, B_BAR
+RK3 = PLAIN.but(integrator=sph.SSPRK3())
 NO_TAU_P = PLAIN.but(tau_p=0.0, line=":", marker="v")
 LITERAL, LITERAL_H6 = (
     one.but(operator=sph.Literal(), line=":", marker="x") for one in (H1, H6)
@@ -33,9 +34,10 @@ CLASSICAL = DISPLACEMENT.but(
 METHODS: tuple[Method, ...] = (
     H1,
     H6,
+    DEFAULT,
     PLAIN,
     NO_TAU_P,
-    PLAIN.but(integrator=sph.SSPRK3()),
+    RK3,
     PLAIN.but(formulation=sph.PF()),
     PAPER.but(formulation=sph.PFJ(), tau_p=sph.OfStep(_TAU_P)),
     LITERAL,
@@ -49,16 +51,20 @@ METHODS: tuple[Method, ...] = (
 #: Where both of the paper's settings ran they are compared with each other.
 PAIRS = ((H1.name, H6.name), (LITERAL.name, LITERAL_H6.name))
 #: Lines of the methods in the figures.
-SHOWN = (H1, H6, PLAIN, NO_TAU_P, LITERAL, FORCE, CLASSICAL, FEM)
+SHOWN = (H1, H6, DEFAULT, PLAIN, NO_TAU_P, LITERAL, FORCE, CLASSICAL, FEM)
 
 
 def in_seconds(method: Method, factor: float) -> Method:
-    """With ``factor`` times the intrinsic times of the step: those of a step so much shorter."""
+    """With ``factor`` times the intrinsic times of the step: those of a step so much shorter.
+
+    The default has none.
+    """
     if method in (H1, H6):
         return method.but(
             name=method.name, tau_F=sph.OfStep(factor), tau_p=sph.OfStep(_TAU_P * factor)
         )
-    return method if method == NO_TAU_P else method.but(name=method.name, tau_p=Times(factor))
+    has_tau_p = method not in (NO_TAU_P, DEFAULT)
+    return method.but(name=method.name, tau_p=Times(factor)) if has_tau_p else method
 
 
 def usual(frame: pd.DataFrame, nu: float = NU) -> pd.DataFrame:

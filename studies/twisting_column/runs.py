@@ -42,7 +42,7 @@ CORNER = np.array([0.5, 0.0, 0.5])
 
 
 def usual_cfl(method: Method) -> float:
-    """The package's for the integrator, which is the paper's 0.3 for its own; 0.6 for elements."""
+    """That of the integrator, which is the paper's 0.3 for its own; 0.6 for elements."""
     if method.name == B_BAR.name:
         return 0.6
     return default_cfl(dict(method.recipe.options).get("integrator", default_integrator()))  # type: ignore[attr-defined]
@@ -204,6 +204,7 @@ def summary(history: pd.DataFrame) -> Row:
         ("residual", "energy_rest [J]"),
     ):  # fmt: skip
         row[name] = end[column] / energy
+    row["dissipation_restraint"] = end.get("dissipation_restraint [J]", 0.0) / energy
     row |= {
         "residual_largest": history["energy_rest [J]"].abs().max() / energy,
         "noise_free_mean": history["noise_free"].iloc[1:].mean(),

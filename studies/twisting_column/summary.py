@@ -12,7 +12,7 @@ from studies.engine.results import Tables, read_results
 from studies.measures.tables import select
 from studies.twisting_column import outside
 from studies.twisting_column.claims import claims
-from studies.twisting_column.methods import FEM, H1, H6, PLAIN, usual
+from studies.twisting_column.methods import DEFAULT, FEM, H1, H6, PLAIN, usual
 from studies.twisting_column.outside import has_limit, twist_error, twist_sequence
 from studies.twisting_column.runs import lattice
 
@@ -21,7 +21,7 @@ def quoted(tables: Tables) -> str:
     """Every claim as judged, the sequences, and every run at the usual step."""
     lines = [f"{one.what}{', ' * bool(one.where)}{one.where}: {one.verdict}. {one.shown}"
              for one in claims(tables)]  # fmt: skip
-    runs, names = usual(tables["table"]), [method.name for method in (H1, H6, PLAIN, FEM)]
+    runs, names = usual(tables["table"]), [method.name for method in (H1, H6, DEFAULT, PLAIN, FEM)]
     lines += ["", f"Twist at 0.1 s against {outside.NAME} ({outside.twist().value:g} rad):"]
     lines += [f"{name}: {twist_sequence(runs, name).text()}" for name in names
               if has_limit(runs, name)]  # fmt: skip

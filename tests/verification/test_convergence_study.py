@@ -70,14 +70,15 @@ def test_consistent_is_second_order_and_literal_is_not_already_on_coarse_grids(
     results: Results,
 ) -> None:
     slope = select(results.tables["summary"], scene="linear", nu=0.3).set_index("method")
-    for method in (convergence.SUPG, *convergence.BY_OPERATOR["paper"]):
+    own = (convergence.PACKAGE, convergence.SUPG, *convergence.BY_OPERATOR["paper"])
+    for method in own:
         assert (slope.loc[[method.name], "slope_p_last"] > 1.9).all(), method.name
     assert (slope.loc[["paper, Literal"], "slope_P_last"] < 1.2).all()
 
 
 def test_the_first_table_has_the_methods_in_the_order_of_their_meaning(results: Results) -> None:
     first = convergence.headline(results.tables["summary"])
-    assert first["method"].tolist()[:2] == ["package default", "paper"]
+    assert first["method"].tolist()[:2] == ["package default", "self-adjoint SUPG"]
     assert first["method"].iloc[-1] == "B-bar FEM"
     assert first.notna().all(axis=None)
     summary = results.tables["summary"]
@@ -105,9 +106,44 @@ def test_claims_are_of_the_worst_run_and_fall_with_the_numbers(results: Results)
     assert verdicts(summary, table)[worst] == "not met"
     at_17 = table[table["h"] == 0.125].assign(h=1.0 / 16.0, error=2.61e-3)
     errors = verdicts(summary, at_17)
-    assert errors["p_x at 17^3, nu 0.3", "package default"] == "not met"
-    assert errors["P_xx at 17^3, nu 0.3", "package default"] == "met"
+    for name in ("package default", "self-adjoint SUPG"):
+        assert errors["p_x at 17^3, nu 0.3", name] == "not met"
+        assert errors["P_xx at 17^3, nu 0.3", name] == "met"
     assert errors["p_x at 17^3, nu 0.499", "paper, tau_p = 0.1 dt, {p,F,J}"] == "met"
+
+
+@pytest.mark.parametrize(
+    ("nu", "changes", "verdicts"),
+    [
+        (0.3, {}, ["met"] * 4),
+        (0.3, {"slope_P_last": 1.89}, ["met", "not met", "met", "met"]),
+        (0.3, {"error_P_h16": 1.2e-2}, ["met", "met", "met", "not met"]),
+        (0.495, {"error_P_h16": 1.2e-2}, ["met"] * 4),
+        (0.495, {"error_p_h16": 4.6e-3}, ["met", "met", "not met", "met"]),
+        (0.495, {"slope_p_last": 1.94}, ["not met", "met", "met", "met"]),
+        (0.3, {"folded": True}, ["not met"] * 4),
+    ],
+)  # fmt: skip
+def test_the_default_is_asked_for_slopes_and_largest_errors(
+    nu: float, changes: dict[str, float], verdicts: list[str]
+) -> None:
+    good = {
+        "scene": "linear", "family": "A+B+C=0", "folded": False, "slope_p_last": 2.0,
+        "slope_P_last": 1.95, "error_p_h16": 4.4e-3, "error_P_h16": 1.0e-2,
+    }  # fmt: skip
+    rows = [
+        good | {"nu": nu, "method": name} | (changes if name == "package default" else {})
+        for name in ("package default", "B-bar FEM")
+    ]
+    summary = pd.DataFrame(rows, columns=convergence.SUMMARY)
+    table = pd.DataFrame(columns=convergence.COLUMNS)
+    found = convergence.claims({"summary": summary, "table": table})
+    own = [claim for claim in found if "package default" in claim.what + claim.where]
+    judged = [claim for claim in own if claim.comparison != "reported"]
+    assert [claim.verdict for claim in judged] == verdicts
+    (over,) = [claim for claim in own if claim.comparison == "reported"]
+    assert over.what == f"error of stress at 17^3 over that of elements, nu {nu:g}"
+    assert over.measured == pytest.approx(changes.get("error_P_h16", 1.0e-2) / 1.0e-2)
 
 
 def test_the_readme_table_is_that_of_the_reports() -> None:

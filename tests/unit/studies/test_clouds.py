@@ -264,9 +264,9 @@ def test_the_whole_comparison_lists_every_cloud_operator_and_shape() -> None:
     listed = clouds.cases(_options("--full"))
     assert len({case.key for case in listed}) == len(listed)
     cubes = [case.arguments for case in listed if case.run is cube]
-    assert {arguments["cloud"] for arguments in cubes} == set(clouds.COMPARED)
+    assert {arguments["cloud"] for arguments in cubes} == {*clouds.COMPARED, *clouds.BY_DEFAULT}
     finest = {a["cloud"] for a in cubes if a["level"] == 32}
-    assert finest == {"jitter:0.2", "jitter:0.4", "tet"}
+    assert finest == {"jitter:0.2", "jitter:0.4", "tet", "scattered:0.4"}
     assert {case.arguments.get("shape") for case in listed} - {None} == set(SHAPES)
     quick = clouds.cases(_options("--quick"))
     assert max(case.cost for case in quick) < 4.0
@@ -310,6 +310,51 @@ def test_the_set_up_is_told_once_and_every_run_has_twelve_errors() -> None:
     assert made["levels"]["variant"].tolist() == ["", RECOVERED] * 2
     assert len(unvaried(made["levels"])) == 2
     assert made["setup"]["neighbours"].iloc[0] > 8.0
+
+
+def _of_default(power_P: float = 2.1, scale: float = 1.0, nu: float = 0.3) -> dict[str, str]:
+    """Verdicts on the default on jitter 0.4, by the first word of the claim."""
+    name = next(name for name, value in clouds.DEFAULTS.items() if value == nu)
+    both = pd.concat([
+        _errors(2.1, power_P, cloud="jitter 0.4", operator=name, formulation="displacement",
+                scene=scene) for scene in ("linear", "manufactured")
+    ])  # fmt: skip
+    both["error"] *= scale
+    found = claims(_tables() | {"levels": levels(both)})
+    own = [claim for claim in found if "package default" in claim.what]
+    return {" ".join(claim.what.split()[:4]): claim.verdict for claim in own}
+
+
+def test_the_default_is_judged_by_poisson_s_ratio_and_both_scenes() -> None:
+    slopes = ("momentum slope of the", "stress slope of the")
+    errors = ("largest error of momentum", "largest error of stress")
+    for nu in (0.3, 0.495):
+        assert _of_default(nu=nu) == dict.fromkeys((*slopes, *errors), "met")
+    assert _of_default(power_P=1.97)[slopes[1]] == "met in part"
+    assert _of_default(power_P=1.94)[slopes[1]] == "not met"
+    # (1/16)^2 is 3.9e-3: between what is asked of momentum and of stress at either ratio.
+    assert [_of_default(scale=3.5, nu=nu)[errors[1]] for nu in (0.3, 0.495)] == ["not met", "met"]
+    assert _of_default(scale=1.6)[errors[0]] == "not met"
+
+
+def test_scattered_points_are_those_of_the_disordered_cube() -> None:
+    instance = cloud_of("scattered:0.4").at(4)
+    mesh = instance.body.mesh(instance.spacing)
+    cells = cloud_of("jitter:0.4").at(4)
+    disordered = cells.body.mesh(cells.spacing)
+    assert instance.h == cells.h == 0.25
+    assert instance.body.volume == pytest.approx(1.0, rel=1e-12)
+    ours, theirs = (np.unique(m.vertices.round(9), axis=0) for m in (mesh, disordered))
+    np.testing.assert_allclose(ours, theirs)
+    assert clouds.label_of("scattered:0.4") == "scattered 0.4"
+
+
+def test_the_default_is_known_by_its_name_and_not_by_its_operator() -> None:
+    case = next(c for c in clouds.cases(_options("--quick")) if "nu 0.495" in c.key)
+    (setting, *_) = case.arguments["settings"]
+    rows = cube(**(case.arguments | {"settings": [setting], "cloud": "jitter:0.4", "level": 3}))
+    assert {row["operator"] for row in rows} == {"package default, nu 0.495"}
+    assert {row["formulation"] for row in rows if row["kind"] == "error"} == {"displacement"}
 
 
 @pytest.mark.parametrize("words", [["--cloud", "mud"], ["--quick", "--cloud=jitter:7"]])

@@ -23,13 +23,15 @@ from studies.conservation.claims import claims, orders, undeformed_impulse
 from studies.conservation.runs import (
     MADE_BY_TIME,
     Block,
+    Body,
     Cube,
     ended,
+    given_back,
     left_over,
 )
 from studies.engine.study import main
 from studies.measures.run import Ran
-from studies.methods import B_BAR, SUPG
+from studies.methods import B_BAR, PACKAGE, SUPG
 
 GOOD = {
     "group": "paper", "method": paper().name, "formulation": "{p,F}", "secondary": "H6",
@@ -45,6 +47,7 @@ GOOD_CUBE = {
     "left_over": 1e-7, "angular_total": 1e-15, "linear_total": 1e-15,
 }  # fmt: skip
 NOTHING = pd.DataFrame(columns=list(GOOD_CUBE))
+FREE = pd.DataFrame(columns=["shape", "cloud", "outcome", "linear_drift", "angular_drift"])
 LINEAR = "linear momentum is zero to round-off"
 ANGULAR = "angular momentum is constant without loads"
 LASTED = "runs to 20 s with its energy, every combination"
@@ -61,7 +64,7 @@ def cubes(*rows: dict[str, Any]) -> pd.DataFrame:
 
 
 def judged(table: pd.DataFrame, cube: pd.DataFrame = NOTHING) -> dict[str, str]:
-    found = claims({"table": table, "cube": cube, "orders": orders(cube)})
+    found = claims({"table": table, "cube": cube, "bodies": FREE, "orders": orders(cube)})
     return {claim.what: claim.verdict for claim in found}
 
 
@@ -77,7 +80,7 @@ def judged(table: pd.DataFrame, cube: pd.DataFrame = NOTHING) -> dict[str, str]:
 def test_momentum_is_judged_by_every_run(column, claim, drifts, verdict):
     table = runs(*({column: drift, "spacing": k} for k, drift in enumerate(drifts, 1)))
     assert judged(table)[claim] == verdict
-    [found] = [one for one in claims({"table": table, "cube": NOTHING,
+    [found] = [one for one in claims({"table": table, "cube": NOTHING, "bodies": FREE,
                                       "orders": NOTHING}) if one.what == claim]  # fmt: skip
     assert found.shown == f"{max(drifts):.1e}"
     assert f"spacing {1 + drifts.index(max(drifts))} m" in found.where
@@ -209,7 +212,7 @@ def test_the_whole_study_holds_every_combination_once():
 
 
 @pytest.mark.parametrize("formulation", [PFJ(), PFHJ()])
-def test_the_package_default_has_its_name_where_it_is_chosen(formulation):
+def test_self_adjoint_supg_has_its_name_where_it_is_chosen(formulation):
     scene = l_shaped_block()
     assert conservation.package(scene, recommend_supg(scene).formulation) is SUPG
     assert formulation.name in conservation.package(scene, formulation).name
@@ -217,14 +220,17 @@ def test_the_package_default_has_its_name_where_it_is_chosen(formulation):
 
 def small(options: argparse.Namespace) -> list[Any]:
     """Both scenes by both solvers on a few particles; the paper's runs with frames."""
-    long = (paper(), paper(operator=CONSISTENT), B_BAR, SUPG)
-    groups = ("paper", "paper", "elements", "package")
+    long = (paper(), paper(operator=CONSISTENT), B_BAR, SUPG, PACKAGE)
+    groups = ("paper", "paper", "elements", "package", "default")
     listed: list[Any] = [
         Block(group, method, 1.5, pictured=True) for group, method in zip(groups, long, strict=True)
     ]
     listed.append(Block("paper", paper(H1, CONSISTENT, PFHJ()), 1.5, until=0.5))
-    for method in (paper(H1, CONSISTENT), B_BAR, SUPG):
-        listed.append(Cube("elements" if method is B_BAR else "ladder", method, 0.5, turns=0.25))
+    cubes = {"ladder": paper(H1, CONSISTENT), "elements": B_BAR, "package": SUPG,
+             "default": PACKAGE}  # fmt: skip
+    for group, method in cubes.items():
+        listed.append(Cube(group, method, 0.5, turns=0.25))
+    listed.append(Body("default", PACKAGE, "cube", "lattice"))
     return [conservation.case_of(one, options.out) for one in listed]
 
 
@@ -246,14 +252,68 @@ def test_a_small_study_runs_from_command_line_to_report(tmp_path: Path):
     cube = pd.read_csv(tmp_path / "cube.csv")
     assert (cube["angular_total"] < 1e-12).all()
     # Lumped masses at eight corners and the points between: 1 + 2 h^2 times the exact cube.
-    np.testing.assert_allclose(cube["L_z"], 19250.0 * 1.5, rtol=1e-12)
+    nodal = cube[cube["method"] != PACKAGE.name]
+    np.testing.assert_allclose(nodal["L_z"], 19250.0 * 1.5, rtol=1e-12)
+    bodies = pd.read_csv(tmp_path / "bodies.csv")
+    assert bodies["outcome"].tolist() == ["kept"]
+    assert (bodies[["linear_drift", "angular_drift"]] < 1e-12).all(axis=None)
     verdicts = pd.read_csv(tmp_path / "claims.csv").set_index("claim")["verdict"]
     assert verdicts[LINEAR] == "reproduced"
     # The half-second run has not reached the end of the tractions: it has shown nothing.
     assert verdicts[ANGULAR] == "reproduced in part"
 
 
+def of_default(drift=1e-15, back=0.0, outcome="kept"):
+    """Claims of the default alone, on a block, a cube and two free bodies."""
+    own = {"group": "default", "method": PACKAGE.name, "secondary": "", "given_back": back}
+    table = pd.DataFrame([GOOD | own | {"linear": drift, "angular_free": drift}])
+    cube = pd.DataFrame([GOOD_CUBE | own | {"linear_total": drift, "angular_total": drift}])
+    bodies = pd.DataFrame(
+        [{"shape": "cube", "cloud": cloud, "outcome": outcome, "linear_drift": 1e-15,
+          "angular_drift": value} for cloud, value in (("lattice", 1e-15), ("tet", drift))]
+    )  # fmt: skip
+    made = {"table": table, "cube": cube, "bodies": bodies, "orders": orders(cube)}
+    return {claim.what: claim.verdict for claim in claims(made)}
+
+
+@pytest.mark.parametrize(
+    ("change", "word", "count", "verdict"),
+    [({"drift": 2e-12}, "linear momentum", 2, "not met"),
+     ({"drift": 2e-12}, "angular momentum", 2, "not met"),
+     ({"drift": 2e-12}, "momenta of free", 1, "met in part"),
+     ({"back": 2e-12}, "takes energy", 2, "not met"),
+     ({"outcome": "folded"}, "momenta of free", 1, "not met")],
+)  # fmt: skip
+def test_the_default_must_keep_both_momenta_of_every_body(change, word, count, verdict):
+    def own(found):
+        return {
+            what: said for what, said in found.items()
+            if word in what and (what.startswith(PACKAGE.name) or "free bodies" in what)
+            and "impulse" not in what
+        }  # fmt: skip
+
+    assert set(own(of_default()).values()) == {"met"}
+    changed = own(of_default(**change))
+    assert len(changed) == count
+    assert set(changed.values()) == {verdict}
+
+
+def test_claims_of_the_paper_do_not_rest_on_the_default():
+    bad = {"group": "default", "method": PACKAGE.name, "linear": 1.0, "angular_free": 1.0,
+           "outcome": "folded", "folded": True, "given_back": 0.0}  # fmt: skip
+    found = judged(runs({}), NOTHING)
+    table = pd.DataFrame([GOOD | {"given_back": 0.0}, GOOD | bad])
+    assert found.items() <= judged(table, NOTHING).items()
+
+
 # ------------------------------------------------------------------ the measures themselves
+def test_what_a_restraint_gave_back_is_the_largest_rise_between_records():
+    history = pd.DataFrame({"dissipation_restraint [J]": [0.0, -2.0, -1.5, -4.0]})
+    assert given_back(history) == pytest.approx(0.5)
+    assert given_back(history[:2]) == 0.0
+    assert given_back(pd.DataFrame({"a": [1.0, 2.0]})) == 0.0
+
+
 def test_what_is_left_over_has_the_work_of_the_projection_in_it():
     history = pd.DataFrame(
         {"energy_rest [J]": [0.0, 3.0, -2.0], "work_projection [J]": [0.0, -2.5, 2.0]}

@@ -30,11 +30,11 @@ def test_the_example_runs_from_outside_the_package(tmp_path):
 
     said = ran()
     out = tmp_path / "out" / "own_study-quick"
-    assert "6 of 6 cases finished" in said
+    assert "8 of 8 cases finished" in said
     assert (out / "report.pdf").stat().st_size > 10_000
     table = pd.read_csv(out / "table.csv")
     assert table["method"].unique().tolist() == [
-        "package default", "package default, tau_F x 2", "B-bar, h/2"
+        "package default", "self-adjoint SUPG", "self-adjoint SUPG, tau_F x 2", "B-bar, h/2"
     ]  # fmt: skip
     assert table["survived"].all()
     verdicts = pd.read_csv(out / "claims.csv").set_index("where")["verdict"]
@@ -42,4 +42,4 @@ def test_the_example_runs_from_outside_the_package(tmp_path):
     run = json.loads((out / "run.json").read_text())
     assert run["command"] == "python own_study.py --quick --jobs 1"
     assert "[" not in ran("--resume"), "its cases are known by its own sources and options"
-    assert json.loads((out / "run.json").read_text())["cases_resumed"] == 6
+    assert json.loads((out / "run.json").read_text())["cases_resumed"] == 8

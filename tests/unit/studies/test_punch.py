@@ -14,7 +14,7 @@ import sphsolid as sph
 from sphsolid.errors import InputError
 from studies.engine.claims import Claim
 from studies.engine.results import Results, Tables
-from studies.methods import B_BAR, SUPG
+from studies.methods import B_BAR, PACKAGE, SUPG
 from studies.pictures.frame import HasDiverged
 from studies.pictures.shots import ShotFolder
 from studies.punch import STUDY, cases, runs
@@ -31,6 +31,7 @@ from studies.punch.runs import (
     H6_NO_TAU_P,
     HELD,
     INITIAL,
+    OWN_OPERATOR,
     WIDE,
     WITHOUT_TAU_F,
     run_case,
@@ -45,16 +46,17 @@ pytestmark = pytest.mark.filterwarnings("ignore::sphsolid.errors.FoldingWarning"
 def _rows(shots: Path, reading, method, cells=CELLS):
     return run_case(
         key=f"{reading.name} {method.name} {cells}", reading=reading, method=method,
-        operator=None if method == B_BAR else CONSISTENT, cells=cells, until=COMPARED,
+        operator=None if method in OWN_OPERATOR else CONSISTENT, cells=cells, until=COMPARED,
         shots=str(shots), shot_times=(0.005, 0.01, 0.015),
     )  # fmt: skip
 
 
 @pytest.fixture(scope="module")
 def results(tmp_path_factory: pytest.TempPathFactory) -> Results:
-    """Six methods, three of them in both readings, to 15 ms, as a run would leave them."""
+    """Seven methods, four of them in both readings, to 15 ms, as a run would leave them."""
     out = tmp_path_factory.mktemp("punch")
-    methods = {INITIAL: (B_BAR, CLASSICAL, GALERKIN, H6_NO_TAU_P, H6, H1), HELD: (B_BAR, H6, H1)}
+    methods = {INITIAL: (B_BAR, PACKAGE, CLASSICAL, GALERKIN, H6_NO_TAU_P, H6, H1),
+               HELD: (B_BAR, PACKAGE, H6, H1)}  # fmt: skip
     rows = [
         row
         for reading, some in methods.items()
@@ -76,7 +78,10 @@ def _one(results: Results, reading, method) -> pd.Series:
 
 def test_every_run_has_a_row_with_all_that_was_measured(results: Results) -> None:
     table = results.tables["table"]
-    assert len(table) == 10
+    assert len(table) == 12
+    own = table[table["method"] == PACKAGE.name]
+    assert own["operator"].str.startswith("LatticeDifference").all()
+    assert not own["folded"].any()
     assert set(table["lattice"]) == {"11x6x2", "21x11x3"}
     assert table["survived"].all()
     held = table[table["press"] == "held"]
@@ -145,7 +150,7 @@ def test_pictures_come_from_the_kept_frames(results: Results) -> None:
 
 def test_a_run_that_diverges_is_a_result(tmp_path: Path, monkeypatch: Any) -> None:
     monkeypatch.setattr(runs, "simulation", lambda *_: sph.Simulation(
-        runs.punch(), spacing=1.0 / CELLS, cfl=3.0
+        runs.punch(), spacing=1.0 / CELLS, cfl=3.0, formulation=sph.PFJ()
     ))  # fmt: skip
     row = tables(_rows(tmp_path, INITIAL, H1))["table"].iloc[0]
     assert not row["survived"]
@@ -160,7 +165,7 @@ def test_a_run_that_diverges_is_a_result(tmp_path: Path, monkeypatch: Any) -> No
 
 def test_the_full_study_covers_what_the_paper_shows(tmp_path: Path) -> None:
     listed = cases(argparse.Namespace(quick=False, cells=20, out=tmp_path))
-    assert len({case.key for case in listed}) == len(listed) == 92
+    assert len({case.key for case in listed}) == len(listed) == 101
     given = [case.arguments for case in listed if case.run is run_case]
     assert len({each["reading"].name for each in given}) == 4
     assert {each["cells"] for each in given} == {20, 40, 60, 80}
@@ -305,3 +310,36 @@ def test_what_has_not_run_is_not_claimed() -> None:
     only = table[table["method"] == B_BAR.name]
     for claim in claims({"table": only, "cost": pd.DataFrame(columns=COST)}):
         assert claim.verdict not in ("reproduced", "met")
+
+
+@pytest.mark.parametrize(
+    ("changes", "verdicts"),
+    [
+        ({}, ["met"] * 7),
+        ({"folded": {("held", PACKAGE): True}, "folded_at": {("held", PACKAGE): 0.01}},
+         ["met in part", *["met"] * 3, *["not met"] * 3]),
+        ({"top_low": {("initial", PACKAGE): 0.4595}},
+         ["met", *["not met"] * 3, *["met"] * 3]),
+        ({"survived": {("initial", PACKAGE): False}}, ["met in part", *["met"] * 6]),
+    ],
+)  # fmt: skip
+def test_the_default_is_judged_apart_from_the_mixed_methods(
+    changes: Any, verdicts: list[str]
+) -> None:
+    table = _table()
+    of_default = table[table["method"] == SUPG.name].assign(
+        method=PACKAGE.name, operator="LatticeDifference4", key="of the default"
+    )
+    table = pd.concat([table, of_default], ignore_index=True)
+    for column, values in changes.items():
+        for (press, method), value in values.items():
+            which = (table["press"] == press) & (table["method"] == method.name)
+            table.loc[which, column] = value
+    made: Tables = {"table": table, "cost": pd.DataFrame(columns=COST)}
+    found = claims(made)
+    own = [claim for claim in found if claim.where == PACKAGE.name]
+    assert [c.verdict for c in own if c.comparison != "reported"] == verdicts
+    (noise,) = [claim for claim in own if claim.comparison == "reported"]
+    assert noise.measured == pytest.approx({"initial": 0.5, "held": 0.5})
+    others = [claim.what for claim in claims({"table": _table(), "cost": made["cost"]})]
+    assert [claim.what for claim in found if claim.where != PACKAGE.name] == others

@@ -10,7 +10,19 @@ import pytest
 import sphsolid as sph
 from sphsolid.compiled import set_threads, threads
 from studies.methods import B_BAR
-from studies.speed import COLUMNS, DEFAULT, PAPERS, cases, claims, counting, options, tables, words
+from studies.speed import (
+    COLUMNS,
+    DEFAULT,
+    OVER_ELEMENTS,
+    OWN_SUPG,
+    PAPERS,
+    cases,
+    claims,
+    counting,
+    options,
+    tables,
+    words,
+)
 from studies.speed.passes import passes
 from studies.speed.timings import step
 
@@ -24,7 +36,7 @@ def _as_many_threads_after_as_before():
 
 def test_a_timing_makes_rows_and_tables():
     rows = [{"kind": "machine", "threads": 1, "bandwidth": 8.0e9, "flops": 1.0e10}]
-    for method in (DEFAULT.but(tau_p=sph.OfStep(0.1)), B_BAR):
+    for method in (OWN_SUPG.but(tau_p=sph.OfStep(0.1)), B_BAR):
         rows += step(method=method, jitter=0.0, cells=3, threads=1, work=30.0)
     made = tables(rows)
     assert {name: list(table) for name, table in made.items()} == COLUMNS
@@ -40,6 +52,18 @@ def test_a_timing_makes_rows_and_tables():
     ]  # fmt: skip
     assert words(made)["asked"] == 0, "nothing was aimed at for three cells"
     assert list(tables([])["table"]) == COLUMNS["table"]
+
+
+@pytest.mark.parametrize("jitter", [0.0, 0.4])
+def test_a_step_of_the_default_is_timed_as_a_whole(jitter):
+    (row,) = step(method=DEFAULT, jitter=jitter, cells=3, threads=1, work=30.0)
+    assert row["kind"] == "step"
+    assert row["storage"] == ("CSR" if jitter else "lattice lines")
+    assert row["flops_per_particle"] > 100.0
+    # Positions, velocities and a stress, each read and written, and off a lattice the operator.
+    least = 8.0 * (3 + 3 + 9 + 9 + 3 + 3 + 9 + 12)
+    assert row["traffic_per_particle"] >= least
+    assert (row["traffic_per_particle"] > least) == bool(jitter)
 
 
 def test_passes_that_are_absent_are_not_listed():
@@ -58,7 +82,7 @@ def test_operations_are_counted_by_doing_them():
     assert counting.contraction_operations() == 17
 
 
-def made_up(paper=300.0, default=250.0, one=600.0, jitter=700.0, fem=400.0, column=0.5):
+def made_up(paper=300.0, own=250.0, one=600.0, jitter=700.0, fem=400.0, column=0.5):
     def row(method, cells, ns, cloud="lattice", count=2):
         return {"method": method.name, "cells": cells, "particles": (cells + 1) ** 3,
                 "cloud": cloud, "threads": count, "ns_per_particle_step": ns,
@@ -68,7 +92,7 @@ def made_up(paper=300.0, default=250.0, one=600.0, jitter=700.0, fem=400.0, colu
     steps = [
         row(PAPERS, 32, paper), row(PAPERS, 32, one, count=1), row(B_BAR, 32, fem),
         row(PAPERS, 32, jitter, "jitter 0.2"),
-        *(row(DEFAULT, cells, default * factor) for cells, factor in sizes),
+        *(row(OWN_SUPG, cells, own * factor) for cells, factor in sizes),
     ]  # fmt: skip
     return {
         "table": pd.DataFrame(steps),
@@ -89,7 +113,45 @@ def test_targets_are_met_or_not_by_their_figures():
     }  # fmt: skip
 
 
+def of_default(over=0.5, one=0.55, disorder=250.0, share=0.6, gain=1.9, held=350.0):
+    """Rows of the default and of elements on every lattice, with one thread and two."""
+    rows = []
+    for cells in OVER_ELEMENTS:
+        common = {"cells": cells, "particles": (cells + 1) ** 3, "cloud": "lattice",
+                  "bytes_per_particle": held, "roofline_share": share}  # fmt: skip
+        for count, ratio, elements in ((2, over, 100.0), (1, one, 100.0 * gain * over / one)):
+            times = ((DEFAULT, ratio * elements), (B_BAR, elements))
+            rows += [
+                common | {"method": m.name, "threads": count, "ns_per_particle_step": ns}
+                for m, ns in times
+            ]
+    rows.append(rows[0] | {"cloud": "jitter 0.4", "ns_per_particle_step": disorder})
+    nothing = {"column": pd.DataFrame(), "start": pd.DataFrame()}
+    return {"table": pd.DataFrame(rows)} | nothing
+
+
+@pytest.mark.parametrize(
+    ("change", "missed"),
+    [
+        ({}, set()),
+        ({"over": 0.7}, {f"particle-step of the default over element-step, {n}^3, 2 thread(s)"
+                         for n in (33, 65)}),
+        ({"one": 0.9}, {f"particle-step of the default over element-step, {n}^3, 1 thread(s)"
+                        for n in (17, 33, 65)}),
+        ({"disorder": 310.0}, {"a particle-step of the default, jitter 0.4"}),
+        ({"share": 0.4}, {"share of what the machine can do, the default step, 33^3"}),
+        ({"gain": 1.7}, {"2 threads over one, the default step"}),
+        ({"held": 410.0}, {"bytes a particle of the default, lattice"}),
+    ],
+)  # fmt: skip
+def test_each_target_of_the_default_can_be_missed(change, missed):
+    found = claims(of_default(**change))
+    own = {claim.what: claim.verdict for claim in found if "default" in claim.what}
+    assert len(own) == 8 + 4 + 2
+    assert {what for what, verdict in own.items() if verdict == "not met"} == missed
+
+
 def test_every_timing_is_listed_once():
     for quick in (True, False):
         listed = cases(argparse.Namespace(quick=quick, threads=2))
-        assert len({case.key for case in listed}) == len(listed) == (8 if quick else 48)
+        assert len({case.key for case in listed}) == len(listed) == (10 if quick else 66)

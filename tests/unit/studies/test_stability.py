@@ -15,10 +15,13 @@ import sphsolid as sph
 from sphsolid.errors import Diverged, InputError
 from sphsolid.scenes import twisting_column
 from studies import stability
-from studies.methods import B_BAR, SUPG, UNSTABILISED
+from studies.methods import B_BAR, PACKAGE, SUPG, UNSTABILISED
 from studies.stability import waves
 from studies.stability.hard_cases import (
+    AT_200,
+    AT_300,
     CASES,
+    FINE,
     KEY_CASES,
     OTHER_STEPS,
     PAPER_COLUMN,
@@ -376,6 +379,70 @@ def test_a_folded_run_holds_no_claim(folded, verdict):
     assert stability.positions_hold(theirs, "").verdict == "not examined"
 
 
+def default(case, **change):
+    more = {"cells": 4, "energy_at_tenth": 0.98, "top_height": 6.0}
+    return of(PACKAGE, case=case) | more | change
+
+
+@pytest.mark.parametrize(
+    ("change", "shape", "sound"),
+    [({}, "met", "met"), (FOLDED, "met in part", "met in part"),
+     ({"inside_out": 0.01}, "met in part", "met"), ({"J_max": 1.6}, "met", "met in part"),
+     (LOST, "met in part", "met in part")],
+)  # fmt: skip
+def test_the_default_must_hold_its_shape_and_be_sound(change, shape, sound):
+    table = tabled(default("a"), default("b", **change), GOOD | FOLDED,
+                   default("c", applicable=False, why="none", survived=None))  # fmt: skip
+    assert stability.default_holds_its_shape(table, "").verdict == shape
+    assert stability.default_is_sound(table, "").verdict == sound
+    assert stability.default_is_sound(tabled(GOOD), "").verdict == "not examined"
+
+
+def test_the_energy_of_the_long_columns_is_asked_by_lattice():
+    def verdict(*left):
+        rows = [
+            default(f"long column 1/{cells}, nu 0.3", cells=cells, energy_at_tenth=kept)
+            for cells, kept in zip((4, 5, 6), left, strict=True)
+        ]
+        return stability.default_keeps_its_energy(tabled(*rows), "").verdict
+
+    assert verdict(0.971, 0.5, 0.991) == "met"
+    assert verdict(0.971, 1.0, 0.98) == "met in part"
+    assert verdict(0.96, 1.0, 0.98) == "not met"
+    folded = tabled(default("long column 1/4, nu 0.3", **FOLDED))
+    assert stability.default_keeps_its_energy(folded, "").verdict == "not met"
+
+
+@pytest.mark.parametrize(
+    ("change", "verdict"),
+    [({}, "met"), ({"energy_kept": 0.96}, "met in part"), ({"answer": 6.07}, "met in part"),
+     ({"noise_end": 0.23}, "met in part"), (FOLDED, "not met"), (LOST, "not met")],
+)  # fmt: skip
+def test_the_fast_column_is_held_against_fine_elements(change, verdict):
+    own, fine = default(AT_200, **change), of(FINE, case=AT_200)
+    rows = [own, fine, of(B_BAR, case=AT_200, noise_end=0.3)]
+    found = stability.default_at_200(tabled(*rows), "")
+    assert found.verdict == verdict
+    assert stability.default_at_200(tabled(*rows[:1]), "").verdict == "not examined"
+
+
+def test_the_fastest_column_is_as_high_as_fine_elements():
+    def verdict(height, **change):
+        rows = [default(AT_300, top_height=height, **change), of(FINE, case=AT_300, top_height=5.0)]
+        return stability.default_at_300(tabled(*rows), "").verdict
+
+    assert (verdict(5.09), verdict(4.89), verdict(5.0, **FOLDED)) == ("met", "not met", "not met")
+    assert verdict(5.0, **LOST) == "not met"
+    alone = tabled(default(AT_300))
+    assert stability.default_at_300(alone, "").verdict == "not examined"
+
+
+def test_a_seed_that_a_method_cannot_have_does_not_count_against_it():
+    rows = [default("a"), default("b", applicable=False, why="none", survived=None)]
+    others = [*runs("a", NONE), *runs("b", NONE)]
+    assert stability.one_method_for_all(tabled(*rows, *others), "").verdict == "met"
+
+
 # --- tiny runs ----------------------------------------------------------------------------------
 
 
@@ -412,7 +479,7 @@ def test_the_report_is_made_from_the_rows(rows, tmp_path):
     tables = stability.tables(rows)
     assert tables["table"]["verdict"].tolist() == [SOUND, DIVERGED, ABSENT, SOUND]
     found = stability.claims(tables)
-    assert len(found) == len(stability.HARD_CLAIMS) + 2
+    assert len(found) == len(stability.HARD_CLAIMS) + len(wave_claims(tables))
     assert {claim.verdict for claim in found} >= {"not examined"}
     assert overview(tables["table"], {SUPG.name: "a", B_BAR.name: "b"}).axes
     with pytest.raises(InputError, match="no run of none"):
@@ -449,20 +516,22 @@ def test_the_pulse_satisfies_the_wave_equation_and_runs_one_way():
 
 @pytest.mark.slow
 def test_waves_are_rows_with_verdicts():
-    methods = (SUPG, B_BAR)
+    methods = (SUPG, PACKAGE, B_BAR)
     tables = wave_tables(
         [row for m in methods for row in vibration(method=m, nu=0.3, cells=4)]
         + [row for m in methods for row in pulse(method=m, nu=0.0, cells=10)]
     )
-    ours, theirs = (row for _, row in tables["vibration"].iterrows())
+    ours, default, theirs = (row for _, row in tables["vibration"].iterrows())
+    assert ours["energy_left"] < default["energy_left"] < 1.001
     assert theirs["energy_left"] == pytest.approx(1.0, abs=1e-3)
     assert abs(theirs["damping_ratio"]) < 1e-5
     assert abs(theirs["frequency_error"]) < 0.02
     assert ours["energy_left"] < theirs["energy_left"]
-    ours, theirs = (row for _, row in tables["pulse"].iterrows())
+    ours, default, theirs = (row for _, row in tables["pulse"].iterrows())
+    assert default["error"] < ours["error"]
     assert theirs["energy_left"] == pytest.approx(1.0, abs=0.01)
     assert theirs["error"] < ours["error"]
-    vibrates, arrives = wave_claims(tables)
+    vibrates, arrives = (claim for claim in wave_claims(tables) if claim.where == SUPG.name)
     assert {vibrates.verdict, arrives.verdict} <= {"met", "met in part", "not met"}
     assert "nu 0.3 on 1/4" in vibrates.shown
 
@@ -478,8 +547,39 @@ def test_waves_are_judged_by_what_is_left(left, error, verdicts):
         {"part": "pulse", "method": SUPG.name, "nu": 0.3, "error": error},
         {"part": "pulse", "method": B_BAR.name, "nu": 0.3, "error": 0.4},
     ]  # fmt: skip
-    assert [claim.verdict for claim in wave_claims(wave_tables(made))] == verdicts
+    found = wave_claims(wave_tables(made))
+    assert [claim.verdict for claim in found if claim.where == SUPG.name] == verdicts
+    assert {claim.verdict for claim in found if claim.where == PACKAGE.name} == {"not examined"}
     assert {claim.verdict for claim in wave_claims(wave_tables([]))} == {"not examined"}
+
+
+def waves_of_default(damping=5e-5, off=0.009, fine=0.002, pulse_over=0.9):
+    """Claims on waves of the default alone, by the first word of what they say."""
+    row = {"part": "vibration", "method": PACKAGE.name, "energy_left": 0.99}
+    made = [
+        *(row | {"nu": nu, "cells": 8, "damping_ratio": damping, "frequency_error": -off}
+          for nu in (0.3, 0.495)),
+        row | {"nu": 0.3, "cells": 16, "damping_ratio": 1.0, "frequency_error": fine},
+        {"part": "pulse", "method": PACKAGE.name, "nu": 0.3, "error": pulse_over * 0.4},
+        {"part": "pulse", "method": B_BAR.name, "nu": 0.3, "error": 0.4},
+    ]  # fmt: skip
+    found = [c for c in wave_claims(wave_tables(made)) if c.where == PACKAGE.name]
+    return {claim.what.split()[0]: claim.verdict for claim in found[:3]}
+
+
+@pytest.mark.parametrize(
+    ("change", "what", "verdict"),
+    [
+        ({"damping": 5e-4}, "damping", "met in part"), ({"damping": 2e-3}, "damping", "not met"),
+        ({"off": 0.015}, "frequency", "met in part"),
+        ({"fine": -0.004}, "frequency", "met in part"),
+        ({"off": 0.03, "fine": 0.004}, "frequency", "not met"),
+        ({"pulse_over": 1.01}, "error", "not met"),
+    ],
+)  # fmt: skip
+def test_the_default_is_asked_more_of_waves(change, what, verdict):
+    assert set(waves_of_default().values()) == {"met"}
+    assert waves_of_default(**change) == waves_of_default() | {what: verdict}
 
 
 @pytest.mark.slow

@@ -26,6 +26,7 @@ from studies.twisting_column import outside, runs
 from studies.twisting_column.claims import claims
 from studies.twisting_column.compare import CLAMP, centres, difference, kink, nodes
 from studies.twisting_column.methods import (
+    DEFAULT,
     FEM,
     H1,
     H6,
@@ -174,7 +175,8 @@ def made_up() -> dict[str, pd.DataFrame]:
             row: dict[str, Any] = {
                 "method": method.name, "cells": cells, "cfl": cfl, "nu": 0.495, "kept": False,
                 "usual": True, "survived": True, "folded": False, "folded_at": math.nan,
-                "secondary": "H6" if "H6" in method.name else "" if method == FEM else "H1",
+                "secondary": "H6" if "H6" in method.name else "" if method in (FEM, DEFAULT)
+                else "H1",
                 "corners_100": outside.corners(), "energy_kept": 0.99, "residual_largest": 3e-4,
                 "position_rms": 0.1 / cells**2, "pressure_rms": 0.0, "mean_rms": 0.0, "steps": 7,
                 "noise_free_mean": 0.4 if method == NO_TAU_P else 0.1, "unseen_rms": 0.05,
@@ -289,6 +291,11 @@ def test_a_claim_without_its_runs_is_not_examined():
         ("residual_largest", 2e-4, {"method": PLAIN.name, "cfl": 0.5 * usual_cfl(PLAIN)}),
         ("angular_drift", 1e-9, {"method": LITERAL.name, "cells": 4}),
         ("noise_free_mean", 0.3, {"method": PLAIN.name, "cells": 10}),
+        ("twist_100", 5.94, {"method": DEFAULT.name, "cells": 10}),
+        ("folded", True, {"method": DEFAULT.name, "cells": 3}),
+        ("energy_kept", 0.96, {"method": DEFAULT.name, "cells": 5}),
+        ("residual_largest", 2e-3, {"method": DEFAULT.name, "cells": 10}),
+        ("linear_drift", 1e-9, {"method": DEFAULT.name, "cells": 4}),
     ],
 )
 def test_what_was_asked_is_met_and_missed(column, value, which):
@@ -310,7 +317,7 @@ def test_the_default_is_given_nothing_but_its_own_step(monkeypatch):
         given.update(options)
 
     monkeypatch.setattr(sph, "Simulation", caught)
-    Column(PLAIN, 3).solver()
+    Column(DEFAULT, 3).solver()
     assert given == {"spacing": 1.0 / 3.0, "cfl": 0.7}
     given.clear()
     Column(H1, 3).solver()
@@ -322,7 +329,7 @@ def test_the_default_is_given_nothing_but_its_own_step(monkeypatch):
 
 @pytest.mark.parametrize("nu", [0.495, 0.499])
 def test_times_are_kept_in_seconds(nu):
-    """Half the step, twice the multiples of it; the default's ``tau_F`` is one of the mesh."""
+    """Half the step, twice the multiples of it; self-adjoint SUPG has a ``tau_F`` of the mesh."""
     scene = column_scene(poisson_ratio=nu)
     plain = PLAIN.recipe.stabilisation(scene, 1 / 3)
     kept = in_seconds(PLAIN, 2.0).recipe.stabilisation(scene, 1 / 3)
@@ -330,7 +337,8 @@ def test_times_are_kept_in_seconds(nu):
     assert (plain.tau_p, kept.tau_p) == (sph.OfStep(0.1), sph.OfStep(0.2))
     kept = in_seconds(H1, 2.0).recipe.stabilisation(scene, 1 / 3)
     assert (kept.tau_F, kept.tau_p, kept.xi_F) == (sph.OfStep(2.0), sph.OfStep(0.2), 0.2)
-    assert in_seconds(NO_TAU_P, 2.0) == NO_TAU_P
+    for method in (NO_TAU_P, DEFAULT):
+        assert in_seconds(method, 2.0) == method
 
 
 def test_the_full_study_has_every_method_on_every_lattice_of_the_paper(tmp_path):
@@ -343,8 +351,8 @@ def test_the_full_study_has_every_method_on_every_lattice_of_the_paper(tmp_path)
 
 
 def few(options: argparse.Namespace) -> list[Any]:
-    """Three methods on 3x13x3 particles, elements on 4x19x4 too, and what a step costs."""
-    listed = [study.pictured(method, 2) for method in (H1, PLAIN, FEM)]
+    """Four methods on 3x13x3 particles, elements on 4x19x4 too, and what a step costs."""
+    listed = [study.pictured(method, 2) for method in (H1, DEFAULT, PLAIN, FEM)]
     listed.append(study.pictured(FEM, 3))
     cost = study.cases(argparse.Namespace(quick=True, out=options.out))[-1]
     timed = dict(cost.arguments) | {"cells": 2, "steps": 3, "rounds": 2}
@@ -364,13 +372,20 @@ def tiny(tmp_path_factory) -> Results:
 def test_a_run_is_one_row_with_its_energy_budget_closed(tiny):
     assert len(tiny.failures) == 0
     table = tiny.tables["table"].set_index(["method", "cells"])
-    assert len(table) == 4
-    default, elements = table.loc[(PLAIN.name, 2)], table.loc[(FEM.name, 2)]
+    assert len(table) == 5
+    default, elements = table.loc[(DEFAULT.name, 2)], table.loc[(FEM.name, 2)]
+    supg = table.loc[(PLAIN.name, 2)]
     own, finest = table.loc[(H1.name, 2)], table.loc[(FEM.name, 3)]
-    # One evaluation a step, and a longer one: the default is not slower than the paper's.
-    assert default["steps"] < 0.5 * own["steps"]
-    assert (default["formulation"], default["weighting"]) == ("{p,F,J}", "self-adjoint")
-    assert default["residual_largest"] < 1e-3
+    # One evaluation a step, and a longer one: not slower than the paper's.
+    assert supg["steps"] < 0.5 * own["steps"]
+    assert (supg["formulation"], supg["weighting"]) == ("{p,F,J}", "self-adjoint")
+    assert supg["residual_largest"] < 1e-3
+    assert default["formulation"] == sph.Displacement().name
+    assert not default["folded"]
+    assert default["angular_drift"] < 1e-12
+    assert default["dissipation_restraint"] <= 0.0
+    of_default = default[["dissipation_restraint", "projection", "residual"]].sum()
+    assert default["energy_kept"] == pytest.approx(1.0 + of_default, abs=1e-8)
     assert own["survived"]
     assert own["end_time"] == 0.1
     # So few particles ring; the elements do not.
@@ -487,7 +502,7 @@ def test_what_readme_quotes_has_every_claim_and_every_sequence():
     text = quoted(made_up())
     for claim in claims(made_up()):
         assert claim.what in text
-    for method in (H1, H6, PLAIN, FEM):
+    for method in (H1, H6, DEFAULT, PLAIN, FEM):
         assert f"{method.name}: 4x19x4 +0.0" in text
         assert f"{method.name}, 6x31x6: 0.00 %, 99.0 %" in text
 
