@@ -30,19 +30,16 @@ class DilatationFilter(Protocol):
 
 
 def dilatation_filter(
-    cloud: Cloud, *, order: int, keeps_linear: bool, width: float
+    cloud: Cloud, *, order: int, width: float
 ) -> DilatationFilter:
     """Along the lines of a box lattice, over pairs elsewhere.
 
-    ``order`` is half of the order of what it does to a smooth function inside.  ``keeps_linear``:
-    it leaves linear functions as they are at the boundary too.  ``width`` is the reach over pairs
-    in spacings.  Lines need volumes that are products of the axes' weights.
+    Of ``order`` 1 it keeps constants, of 2 linear functions.  ``width`` is the reach over pairs in
+    spacings.  Lines need volumes that are products of the axes' weights.
     """
     box = box_of(cloud.mesh)
     if isinstance(box, BoxLattice):
         weights = axis_weights(cloud.V, box)
         if weights is not None:
-            return LineFilter(box, weights, order=order, keeps_linear=keeps_linear)
-    if keeps_linear:
-        return LinearPairFilter(cloud, width=width)
-    return PairFilter(cloud, width=width, order=order)
+            return LineFilter(box, weights, order=order)
+    return (PairFilter if order == 1 else LinearPairFilter)(cloud, width=width)

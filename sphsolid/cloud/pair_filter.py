@@ -5,9 +5,8 @@ With ``k_ab = (1 - r_ab / (w dx_ab))_+`` of pairs that see each other and of eac
     S_ab = d_a k_ab V_b d_b,        V_a S_ab = V_b S_ba,        S 1 = 1,
 
 where ``d`` is the fixed point of ``d <- sqrt(d / (k V d))``, the symmetric form of Sinkhorn's
-iteration [Sinkhorn1967].  That is order one.  With ``R = I - S`` of it, order two is ``I - R^2``,
-which does to a smooth function what is smaller by the square of the spacing once more.  Of a
-constant ``R`` leaves nothing, to the last bit.
+iteration [Sinkhorn1967].  Applied as ``f_a + sum_b S_ab (f_b - f_a)``, which leaves a constant as
+it is to the last bit.
 """
 
 from __future__ import annotations
@@ -31,20 +30,19 @@ _MOST_ITERATIONS = 1000
 
 
 @kernel
-def _rough(indptr, indices, weight, f, from_, out):  # type: ignore[no-untyped-def]
-    """``out = from_ - R f``."""
+def _smooth(indptr, indices, weight, f, out):  # type: ignore[no-untyped-def]
     for a in prange(len(out)):
         here, total = f[a], 0.0
         for k in range(indptr[a], indptr[a + 1]):
             total += weight[k] * (f[indices[k]] - here)
-        out[a] = from_[a] + total
+        out[a] = here + total
 
 
 class PairFilter:
-    """``S`` of ``cloud`` with a reach of ``width`` spacings and of ``order`` one or two."""
+    """``S`` of ``cloud`` with a reach of ``width`` spacings."""
 
-    def __init__(self, cloud: Cloud, *, width: float, order: int) -> None:
-        self.width, self.order = width, order
+    def __init__(self, cloud: Cloud, *, width: float) -> None:
+        self.width = width
         pairs, k, _ = weighted_pairs(cloud, width)
         d = _balanced(k, pairs, cloud.V)
         row, column = pairs.row_of_pair, pairs.indices
@@ -61,22 +59,13 @@ class PairFilter:
         return len(self._indices) / (len(self._indptr) - 1)
 
     def apply(self, f: Array, work: Array, out: Array) -> None:
-        """``out = S f``, all ``(N,)`` and three different arrays; ``work`` is overwritten."""
-        rows = self._indptr, self._indices, self._weight
-        if self.order == 1:
-            _rough(*rows, f, f, out)
-            return
-        # work = -R f, so that f - R R f = f - R (-work) = f + R work.
-        _rough(*rows, f, np.zeros_like(f), work)
-        _rough(*rows, -work, f, out)
+        """``out = S f``, all ``(N,)``; ``out`` is not ``f``."""
+        _smooth(self._indptr, self._indices, self._weight, f, out)
 
     @property
     def description(self) -> str:
         """Which filter it is."""
-        return (
-            f"{self.width:g} spacings wide, {self.mean_neighbours:.1f} neighbours, order "
-            f"{self.order}"
-        )
+        return f"{self.width:g} spacings wide, {self.mean_neighbours:.1f} neighbours"
 
 
 class WeightedPairs(NamedTuple):

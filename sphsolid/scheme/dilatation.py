@@ -37,27 +37,19 @@ class FilteredDilatation(TermOption):
     neighbours', ``S J`` carries the pressure (see ``filtered_dilatation``).
 
     On a box lattice ``S`` acts along the lines, on any other cloud it is a mean over those within
-    ``width`` spacings that a particle sees.  ``order`` 1 takes a quarter of each neighbour on a
-    line; 2, of fourth order inside, leaves long waves of pressure as they are.  ``keeps_linear``:
-    so it does with linear functions at the boundary, which makes bending stiffer.  What ``S``
-    takes out is held by ``k = beta mu^2 / kappa``, or ``kappa`` where that is less: nearly
-    incompressible solids lock if it is held, and compressible ones bend too easily if it is not.
-    Raises ``InputError``.
+    ``width`` spacings that a particle sees.  ``order=1`` keeps constants; long waves of pressure
+    are then too slow by ``O(h^2)``, and much so near incompressibility.  ``order=2`` keeps linear
+    functions, at the boundary too.  What ``S`` takes out may be held by ``k = beta mu^2 / kappa``,
+    at most ``kappa``.  Raises ``InputError``.
     """
 
     order: int = 2
-    keeps_linear: bool = False
-    width: float = 1.6
-    beta: float = 2.0
+    width: float = 2.0
+    beta: float = 0.0
 
     def __post_init__(self) -> None:
         if isinstance(self.order, bool) or self.order not in (1, 2):
             raise InputError(f"FilteredDilatation: order = {self.order!r} must be 1 or 2")
-        if not isinstance(self.keeps_linear, bool) or (self.keeps_linear and self.order == 1):
-            raise InputError(
-                f"FilteredDilatation: keeps_linear = {self.keeps_linear!r} must be True or False, "
-                "and of order 1 no filter does"
-            )
         for name, unit in (("width", "spacings"), ("beta", "mu^2/kappa")):
             value = number(f"FilteredDilatation: {name}", getattr(self, name), unit)
             object.__setattr__(self, name, value)

@@ -55,10 +55,9 @@ class FilteredDilatationTerm(Term):
         #: What holds the rest [Pa]: more than the bulk modulus would be stiffer than no filter.
         self.stiffness = min(options.beta * mu * mu / kappa, kappa)
         self._filter = set_up.kept(
-            ("dilatation filter", options.order, options.keeps_linear, options.width),
+            ("dilatation filter", options.order, options.width),
             lambda: dilatation_filter(
-                set_up.cloud, order=options.order, keeps_linear=options.keeps_linear,
-                width=options.width,
+                set_up.cloud, order=options.order, width=options.width
             ),
         )
         size = set_up.operator.size

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sphsolid.cloud.lattice.box import BoxLattice, box_of
-from sphsolid.cloud.lattice.lines import NO_SMOOTHING, Grid, Smoothing, lines, planes
+from sphsolid.cloud.lattice.lines import Grid, lines, planes
 from sphsolid.cloud.lattice_difference import LatticeDifference
 from sphsolid.fields import components
 from sphsolid.scheme import lattice_force
@@ -62,13 +62,12 @@ class LatticeRightHandSide(RightHandSide):
         box = box_of(cloud.mesh)
         assert isinstance(box, BoxLattice)
         assert isinstance(kind, LatticeDifference)
-        self._parts, smoothing, self._rest = _FREE, NO_SMOOTHING, 0.0
+        self._parts, smoothing, self._rest = _FREE, 0, 0.0
         for term in terms:
             if isinstance(term, LineRestraint):
                 self._parts = term.parts
             elif isinstance(term, FilteredDilatationTerm):
-                smoothing = Smoothing(term.options.order, term.options.keeps_linear)
-                self._rest = term.stiffness
+                smoothing, self._rest = term.options.order, term.stiffness
         self._grid = Grid(
             *(
                 lines(kind.order, box.counts[d], float(box.dx[d]), column=d, smoothing=smoothing)
@@ -77,7 +76,7 @@ class LatticeRightHandSide(RightHandSide):
         )
         self._planes = planes(self._grid, smoothing)
         self._work = lattice_force.make_work(
-            self._grid, workers=numba.config.NUMBA_NUM_THREADS, filtered=smoothing.order > 0,
+            self._grid, workers=numba.config.NUMBA_NUM_THREADS, filtered=smoothing > 0,
             restrained=self._parts != _FREE, beta=self._rest > 0.0,
         )  # fmt: skip
         # No stress is kept.

@@ -9,7 +9,7 @@ import numpy as np
 import sphsolid as sph
 from sphsolid.cloud.lattice.closures import difference
 from sphsolid.cloud.lattice.line_filter import filter_matrix
-from sphsolid.cloud.lattice.lines import Grid, Smoothing, lines, norm, order_of, planes
+from sphsolid.cloud.lattice.lines import Grid, lines, norm, order_of, planes
 from sphsolid.continuum import law
 from sphsolid.fields import leading
 from sphsolid.scheme import lattice_force as lattice
@@ -31,23 +31,23 @@ class LatticeBody:
         order: int,
         counts: tuple[int, int, int],
         *,
-        smoothing: tuple[int, bool] = (1, False),
+        smoothing: int = 1,
         beta: float = 0.0,
         slow: int = 0,
         workers: int = 2,
         solid: Any = SOLID,
     ) -> None:
         self.order, self.counts, self.smoothing, self.beta = order, counts, smoothing, beta
-        self.solid, kind = solid, Smoothing(*smoothing)
+        self.solid = solid
         self.axes = tuple((slow + a) % 3 for a in range(3))
         self.dx = [side / (n - 1) for side, n in zip(SIDES, counts, strict=True)]
         self.grid = Grid(
             *(
-                lines(order, counts[a], self.dx[a], column=a, smoothing=kind)
+                lines(order, counts[a], self.dx[a], column=a, smoothing=smoothing)
                 for a in self.axes
             )
         )
-        self.tables = planes(self.grid, kind)
+        self.tables = planes(self.grid, smoothing)
         self.V = self._physical(norm(self.grid)[None])[0]
         rng = np.random.default_rng(3)
         axes = [np.linspace(0.0, side, n) for side, n in zip(SIDES, counts, strict=True)]
@@ -74,7 +74,7 @@ class LatticeBody:
         work = lattice.make_work(
             self.grid,
             workers=self.workers,
-            filtered=self.smoothing[0] > 0,
+            filtered=self.smoothing > 0,
             restrained=parts != NONE,
             beta=self.beta > 0.0,
         )
@@ -102,7 +102,7 @@ class LatticeBody:
         """``S J``."""
         for axis, n in enumerate(self.counts):
             h, _ = difference(order_of(self.order, n), n).arrays()
-            S = filter_matrix(h, order=self.smoothing[0], keeps_linear=self.smoothing[1])
+            S = filter_matrix(h, self.smoothing)
             J = np.moveaxis(np.tensordot(S, J, (1, axis)), 0, axis)
         return J
 

@@ -1,15 +1,17 @@
 """A filter along the lines of a box lattice that is symmetric in the volumes.
 
-Along an axis with the norm ``H``, ``D`` the first difference and ``R = H^-1 D^T D / 4``, without
-which 1/4, 1/2, 1/4 are left inside,
+Along an axis with the norm ``H`` and the ``q``-th difference ``D_q``, as wide as two neighbours,
 
-    order 1    S = I - R
-    order 2    S = I - R^2, or I - H^-1 D_2^T D_2 / 16 with second differences ``D_2``
+    order 1    S = I - H^-1 D_1^T D_1 / 4            keeps constants, 1/4, 1/2, 1/4 inside
+    order 2    S = I - H^-1 D_2^T D_2 / 16           keeps linear functions
 
-The two of order two are the same inside.  The second keeps linear functions at the ends too; the
-first lets the ends of a line vary more freely, as bending wants.  ``h_i S_ij = h_j S_ji`` and
-``S 1 = 1``.  The shortest wave is filtered out and no wave is turned round.  The axes commute, so
-their product is symmetric in the products of the norms.
+but that order 2 treats the three points at each end, and those between the ends, each on their own:
+of the values at an end it keeps the linear function that is nearest in ``H``.  Rows of a difference
+at a boundary are of lower order, so ``J`` is rough there, and a solid that is nearly incompressible
+locks in bending if that is held.  Lines of less than six points have no ends of their own.
+
+``h_i S_ij = h_j S_ji``.  The shortest wave is filtered out and no wave is turned round.  The axes
+commute, so their product is symmetric in the products of the norms.
 """
 
 from __future__ import annotations
@@ -25,29 +27,36 @@ from sphsolid.cloud.lattice.box import BoxLattice
 Array = NDArray[np.float64]
 #: Largest relative deviation of volumes from a product of three weights.
 _PRODUCT = 1.0e-12
+#: Points of an end.
+_END = 3
 
 
-def rough_part(weight: Array, *, order: int, keeps_linear: bool) -> list[tuple[Array, Array]]:
-    """``I - S`` of a line with norm ``weight (n,)`` as factors ``T D``, the last one first.
+def rough_part(weight: Array, order: int) -> tuple[Array, Array]:
+    """``T (n, m), D (m, n)``: what the filter of norm ``weight (n,)`` takes out is ``T D``.
 
-    None where the line has too few points.
+    ``D`` are differences: nothing is left of a constant, to the last bit.
     """
     n = len(weight)
-    q = 2 if order == 2 and keeps_linear else 1
-    if n <= max(order, q):
-        return []
-    D = np.diff(np.eye(n), n=q, axis=0)
-    factor = 0.25**q * D.T / weight[:, None], D
-    return [factor] if q == order else [factor] * order
+    if n <= order:
+        return np.zeros((n, 0)), np.zeros((0, n))
+    D = np.diff(np.eye(n), n=order, axis=0)
+    share = np.full(len(D), 0.25**order)
+    if order == 2 and (n == _END or n >= 2 * _END):
+        apart = [_END - 2, _END - 1, n - _END - 2, n - _END - 1] if n >= 2 * _END else []
+        share[[row for row in apart if 0 <= row < len(D)]] = 0.0
+        for row in {0, len(D) - 1}:
+            # One difference of three points: all but the nearest linear function, if it is taken
+            # out whole.
+            share[row] = 1.0 / float(np.sum(D[row] ** 2 / weight))
+    return share * D.T / weight[:, None], D
 
 
-def filter_matrix(weight: Array, *, order: int, keeps_linear: bool) -> Array:
+def filter_matrix(weight: Array, order: int) -> Array:
     """``S (n, n)`` of a line; the identity where ``order`` is zero."""
-    rough = np.eye(len(weight))
-    factors = rough_part(weight, order=order, keeps_linear=keeps_linear) if order else []
-    for T, D in factors:
-        rough = T @ (D @ rough)
-    return np.asarray(np.eye(len(weight)) - rough) if factors else rough
+    if order == 0:
+        return np.eye(len(weight))
+    T, D = rough_part(weight, order)
+    return np.asarray(np.eye(len(weight)) - T @ D)
 
 
 def axis_weights(V: Array, box: BoxLattice) -> tuple[Array, Array, Array] | None:
@@ -71,40 +80,27 @@ class LineFilter:
     """
 
     def __init__(
-        self,
-        box: BoxLattice,
-        weights: tuple[Array, Array, Array],
-        *,
-        order: int,
-        keeps_linear: bool,
+        self, box: BoxLattice, weights: tuple[Array, Array, Array], *, order: int
     ) -> None:
-        self.order, self.keeps_linear = order, keeps_linear
+        self.order = order
         line = box.number.ravel()
         place = csr_array((np.ones(line.size), (np.arange(line.size), line)))
         self._axes = [
-            [
-                _of_all_lines(factor, axis, box.counts, place)
-                for factor in rough_part(weight, order=order, keeps_linear=keeps_linear)
-            ]
+            _of_all_lines(rough_part(weight, order), axis, box.counts, place)
             for axis, weight in enumerate(weights)
         ]
 
     def apply(self, f: Array, work: Array, out: Array) -> None:
         """``out = S f``, all ``(N,)`` and three different arrays; ``work`` is overwritten."""
         out[:] = f
-        for factors in self._axes:
-            if factors:
-                work[:] = out
-                for T, D in factors:
-                    # Differences first: of a constant nothing is left, to the last bit.
-                    work[:] = T @ (D @ work)
-                out -= work
+        for T, D in self._axes:
+            work[:] = T @ (D @ out)
+            out -= work
 
     @property
     def description(self) -> str:
         """Which filter it is."""
-        kept = ", linear functions kept" if self.keeps_linear else ""
-        return f"lines of the lattice, order {self.order}{kept}"
+        return f"lines of the lattice, order {self.order}"
 
 
 def _of_all_lines(

@@ -70,16 +70,6 @@ class Grid(NamedTuple):
     z: Lines
 
 
-class Smoothing(NamedTuple):
-    """Which filter: see ``line_filter``; ``order`` zero is none."""
-
-    order: int
-    keeps_linear: bool
-
-
-NO_SMOOTHING = Smoothing(0, False)
-
-
 class Planes(NamedTuple):
     """What depends on the place in a plane of the two fast axes: a number for each particle of it.
 
@@ -93,11 +83,11 @@ class Planes(NamedTuple):
     smooth_z: Array
 
 
-def lines(order: int, n: int, dx: float, *, column: int, smoothing: Smoothing) -> Lines:
+def lines(order: int, n: int, dx: float, *, column: int, smoothing: int) -> Lines:
     """The difference of ``order`` on ``n`` points, of a lower one where they are too few.
 
     The central coefficients are those of ``order`` whatever the rows are, so that all axes of a
-    body have one kernel.
+    body have one kernel.  ``smoothing`` is the order of the filter, zero for none.
     """
     actual = order_of(order, n)
     h, D = difference(actual, n).arrays()
@@ -133,9 +123,7 @@ def lines(order: int, n: int, dx: float, *, column: int, smoothing: Smoothing) -
         middle=(0.0, 1.0, 0.75)[reach],
         near=(0.0, -0.5, -0.5)[reach],
         far=(0.0, 0.0, 0.125)[reach],
-        smooth=_neighbours(
-            filter_matrix(h, order=smoothing.order, keeps_linear=smoothing.keeps_linear)
-        ),
+        smooth=_neighbours(filter_matrix(h, smoothing)),
     )
 
 
@@ -148,12 +136,12 @@ def _neighbours(matrix: Array) -> Array:
     return weights
 
 
-def planes(grid: Grid, smoothing: Smoothing) -> Planes:
+def planes(grid: Grid, smoothing: int) -> Planes:
     """The tables of the planes of a grid whose lines have this ``smoothing``."""
     ny, nz = int(grid.y.n), int(grid.z.n)
     ones = np.ones(ny * nz)
     return Planes(
-        smoothing=np.uint64(smoothing.order),
+        smoothing=np.uint64(smoothing),
         inverse=np.array([ones, np.repeat(grid.y.inverse, nz), np.tile(grid.z.inverse, ny)]),
         smooth_y=np.ascontiguousarray(np.repeat(grid.y.smooth, nz, axis=0).T),
         smooth_z=np.ascontiguousarray(np.tile(grid.z.smooth, (ny, 1)).T),

@@ -43,8 +43,8 @@ OPTIONS = {
     "order two": {"operator": sph.LatticeDifference(2)},
     "order six": {"operator": sph.LatticeDifference(6)},
     "own dilatation": {"dilatation": sph.OwnDilatation()},
-    "linear functions kept": {"dilatation": sph.FilteredDilatation(keeps_linear=True)},
-    "order-one filter": {"dilatation": sph.FilteredDilatation(order=1, beta=0.0)},
+    "order-one filter": {"dilatation": sph.FilteredDilatation(order=1)},
+    "rest held": {"dilatation": sph.FilteredDilatation(beta=2.0)},
     "elastic, no viscosity": {
         "stabilisation": sph.Restraint(stiffness=sph.Elastic(), viscosity=0.0)
     },
