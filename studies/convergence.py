@@ -281,6 +281,9 @@ def headline(summary: pd.DataFrame) -> pd.DataFrame:
     rows = []
     for method in HEADLINE:
         runs = select(summary, nu=NU, method=method.name)
+        if len(runs) == 0:
+            # Registered after this report was made.
+            continue
         row = {"method": method.label}
         row |= {f"slope_{field}": runs[f"slope_{field}_last"].min() for field in _FIELD}
         error = select(runs, family="A+B+C=0").set_index("scene")

@@ -18,26 +18,28 @@ def _smooth(f, at, table, stride, count, smoothing, out, to):  # type: ignore[no
         for k in range(count):
             here = f[at + k]
             out[to + k] = here + (
-                table[1, k] * (f[at + k - stride] - here)
-                + table[2, k] * (f[at + k + stride] - here)
+                table[2, k] * (f[at + k - stride] - here)
+                + table[3, k] * (f[at + k + stride] - here)
             )
     else:
+        two, three = U(2) * stride, U(3) * stride
         for k in range(count):
             here = f[at + k]
-            near = table[1, k] * (f[at + k - stride] - here) + table[2, k] * (
+            near = table[2, k] * (f[at + k - stride] - here) + table[3, k] * (
                 f[at + k + stride] - here
             )
-            far = table[0, k] * (f[at + k - U(2) * stride] - here) + table[3, k] * (
-                f[at + k + U(2) * stride] - here
+            far = table[1, k] * (f[at + k - two] - here) + table[4, k] * (f[at + k + two] - here)
+            end = table[0, k] * (f[at + k - three] - here) + table[5, k] * (
+                f[at + k + three] - here
             )
-            out[to + k] = here + (near + far)
+            out[to + k] = here + (near + (far + end))
 
 
 @inlined
 def smooth_in_plane(S, one, two, nz, tables, out, at):  # type: ignore[no-untyped-def]
     """Filter the plane at ``one`` of the scratch along both fast axes, to ``out`` from ``at`` on.
 
-    ``two`` is room for a plane.  Both have two lines of numbers before and after them.
+    ``two`` is room for a plane.  Both have three lines of numbers before and after them.
     """
     count = U(tables.smooth_z.shape[1])
     _smooth(S, one, tables.smooth_z, U(1), count, tables.smoothing, S, two)
@@ -47,17 +49,14 @@ def smooth_in_plane(S, one, two, nz, tables, out, at):  # type: ignore[no-untype
 @inlined
 def smooth_across(f, line, i, at, stride, count, smoothing, S, q):  # type: ignore[no-untyped-def]
     """Filter ``f`` along the slow axis, at ``count`` particles of plane ``i`` from ``at`` on."""
-    below, above = line.smooth[i, 1], line.smooth[i, 2]
-    # Where there is no plane, its weight is zero.
-    a = at - stride if i > U(0) else at
-    b = at + stride if i + U(1) < line.n else at
     for k in range(count):
-        here = f[at + k]
-        S[q + k] = here + (below * (f[a + k] - here) + above * (f[b + k] - here))
-    if smoothing == U(2):
-        below, above = line.smooth[i, 0], line.smooth[i, 3]
-        a = at - U(2) * stride if i > U(1) else at
-        b = at + U(2) * stride if i + U(2) < line.n else at
+        S[q + k] = f[at + k]
+    # Order one has one neighbour on each side, order two has three.
+    for m in range(U(1), U(2) * smoothing):
+        below, above = line.smooth[i, U(3) - m], line.smooth[i, U(2) + m]
+        # Where there is no plane, its weight is zero.
+        a = at - m * stride if i >= m else at
+        b = at + m * stride if i + m < line.n else at
         for k in range(count):
             here = f[at + k]
             S[q + k] += below * (f[a + k] - here) + above * (f[b + k] - here)

@@ -48,7 +48,7 @@ from sphsolid.scheme.lattice_sums import (
     tensor_to,
 )
 
-#: Scratch rows of a tile; two planes with two lines around each follow them.
+#: Scratch rows of a tile; two planes with three lines around each follow them.
 _F, _L, _P, _E, _ROW = 0, 9 * STRIDE, 18 * STRIDE, 27 * STRIDE, 33 * STRIDE
 _PLANE = 34 * STRIDE
 
@@ -76,7 +76,7 @@ def make_work(grid: Grid, *, workers: int, filtered: bool, restrained: bool, bet
     """Work arrays of one body; what is not used is empty."""
     nx, ny, nz = (int(axis.n) for axis in grid)
     row, plane = leading(nx * ny * nz), ny * nz
-    planes = 2 * plane + 6 * nz + 8 if filtered else 0
+    planes = 2 * plane + 9 * nz + 8 if filtered else 0
     return Work(
         J=np.ones(row if filtered else 0),
         difference=np.zeros(row if filtered and beta else 0),
@@ -100,8 +100,8 @@ def _dilatation(t, along_x, along_y, along_z, tables, x, work, limit):  # type: 
     grid, S = Grid(along_x, along_y, along_z), work.scratch
     ny, nz = grid.y.n, grid.z.n
     base = U(t) * (U(len(S)) // U(work.workers))
-    q, one = base + U(_F), base + U(_PLANE) + U(2) * nz
-    two = one + ny * nz + U(2) * nz
+    q, one = base + U(_F), base + U(_PLANE) + U(3) * nz
+    two = one + ny * nz + U(3) * nz
     first, last = _share(t, work.workers, grid.x.n)
     lines, width = extent(grid)
     for i in range(first, last):
@@ -125,8 +125,8 @@ def _pressure(t, along_x, along_y, along_z, tables, material, rest, work):  # ty
     ny, nz = along_y.n, along_z.n
     plane = ny * nz
     base = U(t) * (U(len(S)) // U(work.workers))
-    one = base + U(_PLANE) + U(2) * nz
-    two = one + plane + U(2) * nz
+    one = base + U(_PLANE) + U(3) * nz
+    two = one + plane + U(3) * nz
     first, last = _share(t, work.workers, along_x.n)
     for i in range(first, last):
         at = i * plane

@@ -71,10 +71,10 @@ class LineRestraint(RestraintTerm):
         self._V = set_up.cloud.V[box.number][..., None]
         self._axes = list(_axes(box, set_up.cloud.V[box.number]))
         self._direct = np.zeros((set_up.cloud.size, 3))
-        # A saw tooth has e = 2 on every middle, and there are no more middles than particles but
-        # for the weights of the ends.
-        least = [np.min(weight) for weight in _weights(box, set_up.cloud.V[box.number])]
-        pull = sum(4.0 / (axis.dx * least[axis.axis]) for axis in self._axes)
+        norms = _weights(box, set_up.cloud.V[box.number])
+        pull = sum(
+            _largest(axis.weights, norms[axis.axis]) / axis.dx for axis in self._axes
+        )
         self.rate = parts.viscosity * pull / set_up.material.density
 
     def add_stress(self, stage: Stage) -> None:
@@ -140,6 +140,21 @@ def _rate(F: Array, L: Array, v: Array, e: Array) -> Array:
     return np.asarray(
         np.einsum("...ji,...j->...i", F, v) + np.einsum("...ji,...j->...i", L, e)
     )
+
+
+#: Points of a line that has the largest eigenvalue of any longer one.
+_LONG = 64
+
+
+def _largest(difference: Array, norm: Array) -> float:
+    """Largest eigenvalue of ``H^-1 D^T D``, four inside."""
+    n = len(norm)
+    h = norm if n <= _LONG else np.concatenate([norm[: _LONG // 2], norm[-_LONG // 2 :]])
+    middles = len(h) - len(difference) + 1
+    D = np.zeros((middles, len(h)))
+    for row in range(middles):
+        D[row, row : row + len(difference)] = difference
+    return float(np.linalg.eigvalsh((D / h) @ D.T)[-1])
 
 
 def _weights(box: BoxLattice, V: Array) -> list[Array]:

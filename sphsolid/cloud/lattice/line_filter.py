@@ -1,14 +1,16 @@
 """A filter along the lines of a box lattice that is symmetric in the volumes.
 
-Along an axis with the norm ``H`` and the ``q``-th difference ``D_q``, as wide as two neighbours,
+Along an axis with the norm ``H`` and the ``q``-th difference ``D_q``,
 
     order 1    S = I - H^-1 D_1^T D_1 / 4            keeps constants, 1/4, 1/2, 1/4 inside
     order 2    S = I - H^-1 D_2^T D_2 / 16           keeps linear functions
 
-but that order 2 treats the three points at each end, and those between the ends, each on their own:
-of the values at an end it keeps the linear function that is nearest in ``H``.  Rows of a difference
-at a boundary are of lower order, so ``J`` is rough there, and a solid that is nearly incompressible
-locks in bending if that is held.  Lines of less than six points have no ends of their own.
+but that order 2 treats the four points at each end, and those between the ends, each on their own:
+of the values at an end it keeps the quadratic function that is nearest in ``H``.  Rows of a
+difference at a boundary are of lower order, so ``J`` is rough there, and a solid that is nearly
+incompressible locks in bending if that is held.  Lines of less than eight points have no ends of
+their own.  Ends of three points that keep linear functions bend better still, but cost a smooth
+pressure of large strain a digit.
 
 ``h_i S_ij = h_j S_ji``.  The shortest wave is filtered out and no wave is turned round.  The axes
 commute, so their product is symmetric in the products of the norms.
@@ -28,7 +30,7 @@ Array = NDArray[np.float64]
 #: Largest relative deviation of volumes from a product of three weights.
 _PRODUCT = 1.0e-12
 #: Points of an end.
-_END = 3
+_END = 4
 
 
 def rough_part(weight: Array, order: int) -> tuple[Array, Array]:
@@ -41,13 +43,12 @@ def rough_part(weight: Array, order: int) -> tuple[Array, Array]:
         return np.zeros((n, 0)), np.zeros((0, n))
     D = np.diff(np.eye(n), n=order, axis=0)
     share = np.full(len(D), 0.25**order)
-    if order == 2 and (n == _END or n >= 2 * _END):
-        apart = [_END - 2, _END - 1, n - _END - 2, n - _END - 1] if n >= 2 * _END else []
-        share[[row for row in apart if 0 <= row < len(D)]] = 0.0
-        for row in {0, len(D) - 1}:
-            # One difference of three points: all but the nearest linear function, if it is taken
-            # out whole.
-            share[row] = 1.0 / float(np.sum(D[row] ** 2 / weight))
+    if order == 2 and n >= 2 * _END:
+        third = np.diff(np.eye(n), n=3, axis=0)[[0, -1]]
+        D = np.concatenate([third, D[_END : n - _END - 2]])
+        # One difference of four points: all but the nearest quadratic, if taken out whole.
+        whole = 1.0 / np.sum(third**2 / weight, axis=1)
+        share = np.concatenate([whole, share[_END : n - _END - 2]])
     return share * D.T / weight[:, None], D
 
 

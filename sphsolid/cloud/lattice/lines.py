@@ -27,8 +27,8 @@ class Lines(NamedTuple):
     an eighth of the fourth difference with ``reach`` two, half of the second with ``reach`` one on
     a short axis: of a saw tooth both are twice as large as it is.
 
-    ``smooth (n, 4)`` are the weights of a filter ``f_i + sum_m s_m (f_(i+m) - f_i)``, ``m = -2,
-    -1, 1, 2``.
+    ``smooth (n, 6)`` are the weights of a filter ``f_i + sum_m s_m (f_(i+m) - f_i)``, ``m = -3,
+    -2, -1, 1, 2, 3``.
     """
 
     column: np.uint64
@@ -73,8 +73,8 @@ class Grid(NamedTuple):
 class Planes(NamedTuple):
     """What depends on the place in a plane of the two fast axes: a number for each particle of it.
 
-    ``inverse (3, ny nz)`` are ones and the ``inverse`` of both axes; ``smooth_y``, ``smooth_z (4,
-    ny nz)`` their filters, with ``smoothing`` neighbours on each side, none without a filter.
+    ``inverse (3, ny nz)`` are ones and the ``inverse`` of both axes; ``smooth_y``, ``smooth_z (6,
+    ny nz)`` their filters, of the order ``smoothing``, which is zero without a filter.
     """
 
     smoothing: np.uint64
@@ -129,8 +129,8 @@ def lines(order: int, n: int, dx: float, *, column: int, smoothing: int) -> Line
 
 def _neighbours(matrix: Array) -> Array:
     n = len(matrix)
-    weights = np.zeros((n, 4))
-    for column, m in enumerate((-2, -1, 1, 2)):
+    weights = np.zeros((n, 6))
+    for column, m in enumerate((-3, -2, -1, 1, 2, 3)):
         inside = [i for i in range(n) if 0 <= i + m < n]
         weights[inside, column] = matrix[inside, [i + m for i in inside]]
     return weights

@@ -10,19 +10,16 @@ import numpy as np
 import pytest
 
 import sphsolid as sph
-from sphsolid.cloud.lattice.lines import Grid, lines
 from sphsolid.continuum import law
-from sphsolid.continuum.tensor import determinant, split
 from sphsolid.errors import InputError
 from sphsolid.geometry import Blocks, Box, TetBox
 from sphsolid.record import Budget, EnergyBudget, MomentumDrift, write_checkpoint
 from sphsolid.scenes import Scene
-from sphsolid.scheme import lattice_force
 from tests.oracles.blocks import FORMULATIONS, MOONEY, RUBBER, loaded_block, spinning_block
 from tests.oracles.laws import LAWS
 
 FILTERED = sph.FilteredDilatation(order=1)
-HELD = sph.FilteredDilatation(order=2, times=1, beta=0.4)
+HELD = sph.FilteredDilatation(order=2, beta=0.4)
 ELL = Blocks((((0.0, 0.0, 0.0), (1.0, 0.5, 0.5)), ((0.0, 0.0, 0.0), (0.5, 1.0, 0.5))))
 BODIES: dict[str, tuple[Any, float]] = {
     "lattice": (Box(), 0.2),
@@ -110,36 +107,6 @@ def test_a_uniform_dilatation_is_unchanged(body: str) -> None:
     np.testing.assert_allclose(shot.P, law.first_piola(
         RUBBER, tuple(1.1 * np.eye(3).ravel()), tuple(1.21 * np.eye(3).ravel()), 1.1**3
     )[0] * np.broadcast_to(np.eye(3), shot.P.shape), rtol=1e-11, atol=1e-6)  # fmt: skip
-
-
-def test_it_is_the_pressure_of_the_lattice_passes() -> None:
-    """``smoothed_pressure`` filters in the planes; across them is left to its next pass."""
-    sim = simulation(free(Box(upper=(1.0, 0.8, 1.2))), 0.2)
-    counts, dx = (6, 5, 7), 0.2
-    rhs, state = sim._rhs, sim.state
-    force(sim, rough(sim))
-    J = np.asarray(determinant(split(state.F)))
-    grid = Grid(*(lines(2, n, dx) for n in counts))
-
-    def planes(f: Any) -> Any:
-        for axis in (1, 2):
-            f = along(f, axis)
-        return f
-
-    def along(f: Any, axis: int) -> Any:
-        h, n = grid[axis].weight, counts[axis]
-        D = np.diff(np.eye(n), axis=0)
-        S = np.eye(n) - 0.25 * (D.T @ D) / h[:, None]
-        return np.moveaxis(np.tensordot(S, f, (1, axis)), 0, axis)
-
-    rows = np.zeros((1, sim.cloud.size + 64))
-    rows[0, : sim.cloud.size] = planes(J.reshape(counts)).ravel()
-    out = np.zeros_like(rows)
-    scratch = lattice_force.make_scratch(grid, 2)
-    lattice_force.smoothed_pressure(*grid, law.in_kernels(RUBBER), rows, out, scratch)
-    expected = along(out[0, : sim.cloud.size].reshape(counts), 0).ravel()
-    found = rhs.terms[-1].excess + law.volumetric_pressure(RUBBER, J)
-    np.testing.assert_allclose(found, expected, rtol=0.0, atol=1e-13 * RUBBER.kappa)
 
 
 @pytest.mark.parametrize("formulation", FORMULATIONS, ids=lambda f: f.name)
@@ -271,12 +238,12 @@ def test_a_body_at_rest_stays_at_rest_to_the_bit() -> None:
 
 
 def test_the_plan_says_which_filter() -> None:
-    assert "filtered J (lines of the lattice, order 1, once)" in simulation(
+    assert "filtered J (lines of the lattice, order 1)" in simulation(
         free(Box()), 0.25
     ).plan()
     plan = simulation(free(), 0.25, dilatation=HELD).plan()
-    assert "filtered J (linear fits 1.6 spacings wide" in plan
-    assert "neighbours, once, beta 0.4)" in plan
+    assert "filtered J (linear fits 2 spacings wide" in plan
+    assert "neighbours, the rest held by " in plan
 
 
 @pytest.mark.parametrize(
@@ -284,8 +251,6 @@ def test_the_plan_says_which_filter() -> None:
     [
         ({"order": 3}, "order = 3 must be 1 or 2"),
         ({"order": True}, "order = True must be 1 or 2"),
-        ({"times": 0}, "times = 0 must be a whole number from 1 to 8"),
-        ({"times": 1.5}, "times = 1.5 must be a whole number"),
         ({"width": 1.0}, "width = 1 spacings must be more than 1"),
         ({"width": 9.0}, "at most 4"),
         ({"width": "wide"}, "width = 'wide' is not a number"),
@@ -298,10 +263,11 @@ def test_bad_options_are_refused(wrong: dict[str, Any], words: str) -> None:
         sph.FilteredDilatation(**wrong)
 
 
-def test_what_fits_no_body_is_refused_before_any_step() -> None:
-    limit = RUBBER.kappa / RUBBER.mu
-    simulation(free(), 0.34, dilatation=sph.FilteredDilatation(beta=0.99 * limit))
-    with pytest.raises(InputError, match="more than the bulk modulus"):
-        simulation(free(), 0.34, dilatation=sph.FilteredDilatation(beta=1.01 * limit))
+def test_the_rest_is_held_by_the_bulk_modulus_at_most() -> None:
+    sim = simulation(free(), 0.34, dilatation=sph.FilteredDilatation(beta=1.0e6))
+    assert sim._rhs.terms[-1].stiffness == pytest.approx(RUBBER.kappa)
+
+
+def test_a_class_is_refused_before_any_step() -> None:
     with pytest.raises(InputError, match=r"write FilteredDilatation\(\)"):
         simulation(free(), 0.34, dilatation=sph.FilteredDilatation)
