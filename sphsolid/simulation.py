@@ -45,9 +45,9 @@ from sphsolid.scheme.projection import AngularMomentumTreatment
 from sphsolid.scheme.right_hand_side import RightHandSide
 from sphsolid.scheme.set_up import SetUp
 from sphsolid.scheme.stabilisation import Stabilisation
-from sphsolid.scheme.state import State
+from sphsolid.scheme.state import Field, State
 from sphsolid.scheme.term import TermOption, terms_of
-from sphsolid.scheme.time_step import TimeStep
+from sphsolid.scheme.time_step import STRETCH, TimeStep
 from sphsolid.sph_snapshot import secondary_gradient, snapshot_of
 
 Array = NDArray[np.float64]
@@ -136,6 +136,10 @@ class Simulation(BaseSimulation):
         names = [field.name for field in fields]
         require(len(names) == len({*names}), f"two fields have one name: {', '.join(names)}")
         terms = terms_of(options, self._set_up)
+        if is_displacement_form(self.formulation) and getattr(self.integrator, "derives_F", False):
+            # F is then of the last evaluation, and so is the stretch that the step is taken from:
+            # who looks at the state, and brings F up to date with it, must not change the step.
+            fields.append(Field(STRETCH, evolved=False))
         lean = has_lattice_form(self._set_up, terms, self.integrator)
         return (LatticeRightHandSide if lean else RightHandSide)(self._set_up, terms, fields)
 
@@ -202,9 +206,11 @@ class Simulation(BaseSimulation):
 
     @property
     def state(self) -> State:
-        """The fields themselves, not copies; an ``F`` that is not evolved is the last one used."""
+        """The evolved fields themselves, not copies, and an ``F`` that is not evolved."""
         # Who takes them may change them, and with them the step that is allowed.
         self._allowed = math.nan
+        if not self.formulation.evolves_F and len(self._state.F):
+            self._rhs.deformation_gradient(self._state.x, self._state.F)
         return self._state
 
     def _options(self) -> dict[str, Any]:

@@ -57,7 +57,7 @@ class LatticeRightHandSide(RightHandSide):
         self, set_up: SetUp, terms: Sequence[Term], fields: Sequence[Field]
     ) -> None:
         kept = [field for field in fields if field.name != "F"]
-        super().__init__(set_up, terms, [*kept, Field(STRETCH, evolved=False)])
+        super().__init__(set_up, terms, kept)
         cloud, kind = set_up.cloud, set_up.cloud.kind
         box = box_of(cloud.mesh)
         assert isinstance(box, BoxLattice)

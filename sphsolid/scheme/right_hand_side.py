@@ -14,6 +14,8 @@ from sphsolid.scheme.set_up import SetUp
 from sphsolid.scheme.stage import Stage
 from sphsolid.scheme.state import Field, State
 from sphsolid.scheme.term import Term
+from sphsolid.scheme.tile import make_scratch
+from sphsolid.scheme.time_step import STRETCH, take_stretches
 
 Array = NDArray[np.float64]
 
@@ -50,6 +52,7 @@ class RightHandSide:
         self.P = operator.zeros(Field("P", "tensor"))
         self.P_galerkin = self.P
         self.reaction = np.zeros((len(self.essential.particles), 3))
+        self._scratch = make_scratch()
         wanted = self.projects and any(term.needs_projected_rate for term in terms)
         rate = Field("L_C", "tensor")
         self._projected_rate = operator.zeros(rate) if wanted else tensor_field(
@@ -88,7 +91,9 @@ class RightHandSide:
         self.operator.gradient(self.operator.arms(x), 1.0, out)
 
     def start(self, state: State) -> None:
-        """Let every term fill its own fields at ``t = 0``."""
+        """Let every term fill its own fields at ``t = 0``; ``state.F`` is that of the start."""
+        if STRETCH in state and len(state.F):
+            take_stretches(state, self._scratch)
         for term in self.terms:
             term.start(state)
 
@@ -99,7 +104,7 @@ class RightHandSide:
     def of_geometry(self, state: State) -> State:
         """``state`` with the ``F`` of its ``x`` where the formulation does not evolve one.
 
-        A stepper leaves there what it last had a use for, and the stable step is taken from that.
+        A stepper leaves there what it last had a use for.
         """
         if self.formulation.evolves_F:
             return state
@@ -152,6 +157,8 @@ class RightHandSide:
         compatible = stage.knows_F_x and not self._projected_rate.size
         if derives_F:
             operator.gradient(stage.arms, 1.0, state.F)
+            if STRETCH in state:
+                take_stretches(state, self._scratch)
         operator.rates_and_stress(
             self.material,
             replace(stage, projects=False) if compatible else stage,

@@ -11,13 +11,14 @@ from sphsolid.compiled import kernel, prange
 from sphsolid.continuum.tensor import determinant
 from sphsolid.continuum.wave_speed import THINNEST, smallest_stretch
 from sphsolid.errors import Diverged, InputError, require
-from sphsolid.fields import LANES
+from sphsolid.fields import LANES, components
 from sphsolid.scheme import tile as on_tile
 from sphsolid.scheme.state import State
 from sphsolid.scheme.tile import STRIDE, U, load_lane
 
 Array = NDArray[np.float64]
-#: Name of the field of a form that stores no strain: what :func:`_stretch_limits` would find.
+#: Name of the field of a form whose ``F`` is not of the end of a step: what ``_stretch_limits``
+#: found at the last evaluation.
 STRETCH = "smallest_stretch"
 ADVICE = (
     "a smaller cfl, more dissipation (tau_F, xi_F; tau_p near incompressibility), "
@@ -47,6 +48,13 @@ def _stretch_limits(p, F, J, limit, scratch):  # type: ignore[no-untyped-def]
                 total = stretch + J_a + (p[0, at + lane] + p[1, at + lane] + p[2, at + lane])
                 valid = stretch if min(J_a, detF) > 0.0 else -1.0
                 limit[at + lane] = valid if total - total == 0.0 else -2.0
+
+
+def take_stretches(state: State, scratch: Array) -> None:
+    """The smallest stretches of ``state.F`` into the field of that name."""
+    p, F, _, J = state.rows()
+    limit = components(state[STRETCH])[0]
+    _stretch_limits(p, F, J, limit[: -(-len(state.x) // LANES) * LANES], scratch)
 
 
 def _reason(limit: float) -> str:

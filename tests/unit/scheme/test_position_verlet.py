@@ -14,6 +14,7 @@ from sphsolid.continuum.tensor import cofactor, determinant, join, split
 from sphsolid.record import MomentumDrift, write_checkpoint
 from sphsolid.scenes import Box, Scene, Traction
 from sphsolid.scheme.right_hand_side import RightHandSide
+from sphsolid.scheme.time_step import STRETCH
 from tests.oracles import timing
 from tests.oracles.blocks import FORMULATIONS, RUBBER, loaded_block, pulled, spinning_block
 
@@ -93,6 +94,8 @@ def test_it_runs_back_to_where_it_came_from(formulation: Any) -> None:
         for _ in range(30):
             sim.advance(timing.SPAN / 30)
         sim.state.p *= -1.0
+    # What the step is taken from is of the last evaluation, not of the end.
+    start.pop(STRETCH, None)
     for name, array in start.items():
         scale = max(float(np.max(np.abs(array), initial=0.0)), 1.0)
         np.testing.assert_allclose(getattr(sim.state, name), array, atol=1e-11 * scale)
