@@ -20,7 +20,7 @@ from sphsolid.continuum.tensor import determinant, split
 from sphsolid.continuum.wave_speed import reference_p_wave_speed
 from sphsolid.defaults import default_initial_strain, is_displacement_form, is_restraint
 from sphsolid.describe import memory_bytes, plan, summary
-from sphsolid.errors import require
+from sphsolid.errors import Diverged, require
 from sphsolid.geometry.body import AS_MESHED, Spacing
 from sphsolid.options import Options, choose, discretised
 from sphsolid.record.checkpoint import checkpoint_of, put_back
@@ -230,13 +230,23 @@ class Simulation(BaseSimulation):
         that much shorter; no term is given more than its own limit.
         """
         s, material = self._state, self.material
-        allowed = self._time_step.stable(s, self.cloud.X, self.time, self.step)
+        try:
+            allowed = self._time_step.stable(s, self.cloud.X, self.time, self.step)
+        except Diverged:
+            # Stretches of the last evaluation found it: say where it is lost now.
+            self.check_state()
+            raise
         if not law.is_quadratic(material):
             F = s.F if len(s.F) else self._rhs.of_geometry(s).F
             J = s.J if self.formulation.evolves_J else determinant(split(F))
             allowed /= float(np.max(law.stiffening(material, J)))
         self._allowed = min(allowed, self._rhs.largest_step(s))
         return self._allowed
+
+    def check_state(self) -> None:
+        """Raise ``Diverged`` when the state now is no solution any more."""
+        now = {name: f for name, f in self._rhs.of_geometry(self._state).items() if name != STRETCH}
+        self._time_step.stable(State(**now), self.cloud.X, self.time, self.step)
 
     def advance(self, dt: float) -> None:
         """One step of ``dt`` [s]; intrinsic times of the step are shares of the stable one."""

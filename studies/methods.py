@@ -198,7 +198,7 @@ LATTICE = {
         name=f"lattice order {order}", colour=colour, marker=marker,
         operator=sph.LatticeDifference(order=order),
     )
-    for order, colour, marker in ((2, PURPLE, "<"), (4, VERMILION, "o"), (6, ORANGE, ">"))
+    for order, colour, marker in ((2, PURPLE, "<"), (4, VERMILION, "h"), (6, ORANGE, ">"))
 }  # fmt: skip
 #: The SUPG methods as the package sets them: the self-adjoint weighting, position Verlet.
 SUPG = Method(

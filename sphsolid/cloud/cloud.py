@@ -205,8 +205,6 @@ def build_cloud(
         np.isfinite(h_over_dx) and h_over_dx > 0.0,
         f"h_over_dx = {h_over_dx} must be positive; 0.77 is the default on a lattice",
     )
-    if hasattr(operator, "arranged"):
-        mesh = operator.arranged(mesh)
     X = mesh.vertices
     refuse_overlap("the body", mesh)
     sight = Sight.within(mesh)

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csr_array, eye_array, kron
 
-from sphsolid.cloud.lattice.box import BoxLattice, NoBox, arranged, box_of
+from sphsolid.cloud.lattice.box import BoxLattice, NoBox, box_of
 from sphsolid.cloud.lattice.closures import difference
 from sphsolid.cloud.lattice.lines import order_of
 from sphsolid.cloud.operator import Gradients, Ingredients, Layout
@@ -31,7 +31,7 @@ class LatticeDifference:
     """Summation-by-parts differences of ``order`` 2, 4 or 6 inside, half of it at the boundary.
 
     For bodies that are a full box of lattice points.  An axis with too few of them has a lower
-    order, which ``plan()`` says.  Particles are numbered so that the longest axis runs fastest.
+    order, which ``plan()`` says.
     """
 
     order: int = 4
@@ -44,11 +44,6 @@ class LatticeDifference:
     def name(self) -> str:
         """``LatticeDifference4`` for order four."""
         return f"LatticeDifference{self.order}"
-
-    def arranged(self, mesh: Mesh) -> Mesh:
-        """The mesh, numbered along its longest axis; raises ``InputError`` where it is no box."""
-        made: Mesh = arranged(mesh, self._box(mesh))
-        return made
 
     def orders(self, mesh: Mesh) -> tuple[int, int, int]:
         """The order along X, Y and Z."""

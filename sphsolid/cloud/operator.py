@@ -98,7 +98,7 @@ class OperatorKind(Protocol):
     """An option that makes the gradients of a cloud: a frozen dataclass.
 
     One that brings volumes, areas and pairs of its own has a method ``layout(mesh)``, which returns
-    a :class:`Layout`.  One that wants its particles in an order of its own has ``arranged(mesh)``.
+    a :class:`Layout`.
     """
 
     @property

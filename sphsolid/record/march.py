@@ -175,7 +175,7 @@ class _Run:
                 # The last step of the gap lands on the target; name that instant exactly.
                 solver.time = target
                 # What diverged in this very step must not be recorded, nor end the run well.
-                solver.stable_time_step()
+                solver.check_state()
             self._pace.stepped(solver.time, solver.step, dt)
             if steps == 1:
                 return

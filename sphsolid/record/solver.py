@@ -55,6 +55,10 @@ class Solver(Protocol):
         """What a checkpoint must agree on with the solver that takes it over."""
         ...
 
+    def check_state(self) -> None:
+        """Raise ``Diverged`` when the state now is no solution any more."""
+        ...
+
     def samples(self, times: Sequence[float]) -> Samples:
         """What the problem's functions say at ``times`` [s]; see ``record.samples``."""
         ...

@@ -71,6 +71,10 @@ class BaseSimulation(ABC):
     def stable_time_step(self) -> float:
         """Largest step allowed now [s]; raises ``Diverged`` when the state is invalid."""
 
+    def check_state(self) -> None:
+        """Raise ``Diverged`` when the state now is no solution any more."""
+        self.stable_time_step()
+
     @abstractmethod
     def advance(self, dt: float) -> None:
         """One step of ``dt`` [s]."""

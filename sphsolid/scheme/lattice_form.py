@@ -42,6 +42,7 @@ def has_lattice_form(set_up: SetUp, terms: Sequence[Term], integrator: Integrato
     """
     return (
         isinstance(set_up.cloud.kind, LatticeDifference)
+        and box_of(set_up.cloud.mesh).is_ordered  # type: ignore[union-attr]
         and isinstance(set_up.formulation, Displacement)
         and getattr(integrator, "derives_F", False)
         and all(
@@ -71,7 +72,7 @@ class LatticeRightHandSide(RightHandSide):
         self._grid = Grid(
             *(
                 lines(kind.order, box.counts[d], float(box.dx[d]), column=d, smoothing=smoothing)
-                for d in box.directions
+                for d in range(3)
             )
         )
         self._planes = planes(self._grid, smoothing)

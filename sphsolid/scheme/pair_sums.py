@@ -49,6 +49,9 @@ class PairSums:
 
     def sum_of(self, G: PairOperator, f: Array, factor: float, out: Array) -> None:
         """``out_r = factor sum_b f_b (x) G_rb``; neither array need be a field."""
+        if len(out) != G.rows:
+            # A kernel does not ask how long an array is.
+            raise ValueError(f"room for {len(out)} particles where {G.rows} rows are written")
         result = as_field(out)
         galerkin.gradient(G, components(as_field(f)), factor, components(result), self.scratch)
         if result is not out:

@@ -141,7 +141,9 @@ def cube_slope(*, jitter: float = 0.0, **options: Any) -> float:
     errors = [
         period_errors_of(
             sph.Simulation(
-                swinging_cube(amplitude=1e-7, jitter=jitter), spacing=spacing, **options
+                swinging_cube(amplitude=1e-7, jitter=jitter),
+                spacing=spacing,
+                **({"formulation": sph.PF()} | options),
             )
         )
         for spacing in (0.25, 0.125)

@@ -21,7 +21,9 @@ def make(solver, scene, spacing):
 
     With the paper's integrator a lateral mode grows from round-off at nu = 0.
     """
-    return {"fem": fem, "sph": sph}[solver].Simulation(scene, spacing=spacing)
+    if solver == "fem":
+        return fem.Simulation(scene, spacing=spacing)
+    return sph.Simulation(scene, spacing=spacing, formulation=sph.PF())
 
 
 def errors(solver, load, stress, spacing):

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
-from typing import Any
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,19 +27,9 @@ class BoxLattice:
     number: NDArray[np.int64]
 
     @property
-    def directions(self) -> tuple[int, int, int]:
-        """The axes from slow to fast in memory as they should be: the longest is the fastest.
-
-        A cyclic order of X, Y, Z; of equally long axes the last.
-        """
-        fast = max(range(3), key=lambda axis: (self.counts[axis], axis))
-        return (fast + 1) % 3, (fast + 2) % 3, fast
-
-    @property
-    def is_arranged(self) -> bool:
-        """True where the particles are numbered like that."""
-        line = self.number.transpose(self.directions).ravel()
-        return bool(np.array_equal(line, np.arange(len(line))))
+    def is_ordered(self) -> bool:
+        """True where particle ``(i, j, k)`` has the number ``(i ny + j) nz + k``."""
+        return bool(np.array_equal(self.number.ravel(), np.arange(self.number.size)))
 
 
 @dataclass(frozen=True)
@@ -77,14 +66,3 @@ def _plane_of(coordinate: Array, same: float) -> NDArray[np.int64]:
     ordinal = np.empty(len(order), dtype=np.int64)
     ordinal[order] = np.concatenate([[0], np.cumsum(np.diff(coordinate[order]) > same)])
     return ordinal
-
-
-def arranged(mesh: Any, box: BoxLattice) -> Any:
-    """``mesh`` with its vertices numbered so that the longest axis runs fastest."""
-    if box.is_arranged:
-        return mesh
-    order = box.number.transpose(box.directions).ravel()
-    place = np.empty_like(order)
-    place[order] = np.arange(len(order))
-    faces = {name: place[facets] for name, facets in mesh.faces.items()}
-    return replace(mesh, vertices=mesh.vertices[order], cells=place[mesh.cells], faces=faces)

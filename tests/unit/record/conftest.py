@@ -70,6 +70,9 @@ class FakeSolver:
         self.time += dt
         self.step += 1
 
+    def check_state(self) -> None:
+        self.stable_time_step()
+
     def placement(self) -> Placement:
         return Placement(self.time, CUBE, self.x)
 

@@ -44,13 +44,15 @@ def test_a_wrong_one_is_refused_by_both_solvers(solver, F, named):
 
 
 def test_who_asks_for_the_geometry_gets_it():
-    sim = sph.Simulation(stating(WRONG[-1][0]), spacing=0.5, initial_strain=sph.Compatible())
+    sim = sph.Simulation(stating(WRONG[-1][0]), spacing=0.5, formulation=sph.PF(),
+                         initial_strain=sph.Compatible())  # fmt: skip
     assert NOT_USED in sim.plan()
     np.testing.assert_allclose(sim.state.F[0], np.eye(3), atol=1e-12)
 
 
 def test_who_asks_for_the_stated_one_gets_it():
-    sim = sph.Simulation(stating(WRONG[-1][0]), spacing=0.5, initial_strain=sph.Given())
+    sim = sph.Simulation(stating(WRONG[-1][0]), spacing=0.5, formulation=sph.PF(),
+                         initial_strain=sph.Given())  # fmt: skip
     assert NOT_USED not in sim.plan()
     np.testing.assert_array_equal(sim.state.F[0], 2.0 * np.eye(3))
 

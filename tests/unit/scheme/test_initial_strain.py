@@ -21,7 +21,7 @@ FORCE = sph.Consistent(use="force")
 
 def started(**options: Any) -> sph.Simulation:
     scene = options.pop("scene", SCENE)
-    return sph.Simulation(scene, spacing=0.25, **options)
+    return sph.Simulation(scene, spacing=0.25, **({"formulation": sph.PF()} | options))
 
 
 def discrete(sim: sph.Simulation) -> np.ndarray:

@@ -108,20 +108,19 @@ def test_momenta_and_the_budget_close():
         assert drift < 1e-12 * history[f"{kind}_scale [{unit}]"].max()
 
 
-def test_watching_and_going_on_change_no_bit(tmp_path):
+def test_watching_and_going_on_change_no_bit():
     def simulation():
         return sph.Simulation(scene(**HELD), spacing=0.15)
 
-    plain, watched, restarted = simulation(), simulation(), simulation()
-    plain.run(until=0.004)
+    plain, watched = simulation(), simulation()
     watched.track_budget()
     for _ in range(3):
+        plain.advance(plain.stable_time_step())
         watched.snapshot()
         assert isinstance(watched.state, State)
         watched.advance(watched.stable_time_step())
     branch = copy.deepcopy(watched)
-    restarted.advance(restarted.stable_time_step())
-    for sim in (watched, branch, restarted):
+    for sim in (plain, watched, branch):
         sim.run(until=0.004)
         np.testing.assert_array_equal(plain.state.x, sim.state.x)
 

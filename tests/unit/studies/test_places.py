@@ -66,6 +66,8 @@ def test_elements_are_shown_as_they_are():
 
 def test_a_field_at_other_points_is_refused():
     shot = SOLVERS["particles"].snapshot()
-    odd = replace(shot, stress_X=shot.stress_X[1:], stress_V=shot.stress_V[1:], J=shot.J[1:])
+    odd = replace(shot, stress_X=shot.stress_X[1:], stress_V=shot.stress_V[1:], J=shot.J[1:],
+        added_pressure=shot.added_pressure[1:],
+    )
     with pytest.raises(InputError, match="neither"):
         in_cells(odd, "pressure")

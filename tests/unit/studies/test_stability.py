@@ -176,7 +176,7 @@ def test_patterns_alternate_as_they_say():
 @pytest.mark.parametrize(("pattern", "seen"), [("sawtooth", True), ("hourglass", False)])
 def test_patterns_hide_where_they_are_said_to(pattern, seen):
     """No gradient at inner particles; at cell centroids only the saw tooth has one."""
-    sim = sph.Simulation(block(), spacing=0.125)
+    sim = sph.Simulation(block(), spacing=0.125, formulation=sph.PF())
     seed = Seed(pattern).velocity(sim.cloud.X, 0.125)
     F = np.empty_like(sim.state.F)
     sim._rhs.kinematic_gradient(seed, 1.0, F)
@@ -198,7 +198,7 @@ def test_the_pulled_block_is_pulled_at_both_ends():
 
 
 def test_a_collapsing_step_diverges():
-    sim = sph.Simulation(block(), spacing=0.5)
+    sim = sph.Simulation(block(), spacing=0.5, formulation=sph.PF())
     give_up_on_collapse(sim)
     first = sim.stable_time_step()
     sim.advance(first)

@@ -133,7 +133,7 @@ def test_a_kink_is_the_twist_that_alternates(zigzag, seen):
 
 
 def test_noise_can_leave_the_clamp_out():
-    snapshot = sph.Simulation(column_scene(), spacing=0.25).snapshot()
+    snapshot = sph.Simulation(column_scene(), spacing=0.25, formulation=sph.PFJ()).snapshot()
     height = snapshot.X[:, 1]
     spiked = replace(snapshot, J=1.0 + 1e-3 * height - 0.1 * (height == 0.0))
     assert pressure_noise(spiked) > 0.1
@@ -509,7 +509,7 @@ def test_what_readme_quotes_has_every_claim_and_every_sequence():
 
 def test_percentiles_of_a_state_count_volume():
     """The four long edges have a sixth of the particles, and a sixteenth of the volume."""
-    snapshot = sph.Simulation(column_scene(), spacing=0.25).snapshot()
+    snapshot = sph.Simulation(column_scene(), spacing=0.25, formulation=sph.PFJ()).snapshot()
     edges = (np.abs(snapshot.X[:, [0, 2]]) == 0.5).all(axis=1)
     top = snapshot.X[:, 1] > 5.9
     assert edges.mean() == pytest.approx(0.16)
