@@ -151,7 +151,8 @@ def test_an_incomplete_checkpoint_would_be_seen(
 # ------------------------------------------------------------------ what does not fit
 def column(**options: Any) -> Any:
     scene = {k: options.pop(k) for k in ("angular_velocity", "poisson_ratio") if k in options}
-    return sph.Simulation(twisting_column(**scene), **{"spacing": 0.5, "formulation": sph.PFJ(), **options})
+    given = {"spacing": 0.5, "formulation": sph.PFJ(), **options}
+    return sph.Simulation(twisting_column(**scene), **given)
 
 
 @pytest.fixture(scope="module")

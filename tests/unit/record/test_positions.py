@@ -381,7 +381,7 @@ def test_the_secondary_gradient_is_that_of_the_sampling():
 
 
 def test_the_column_at_nu_03_folds_and_says_so_unwatched():
-    """nu 0.35 on 1/4, a kin of the known ones: SUPG folds it, B-bar does not, nor does our default."""
+    """nu 0.35 on 1/4, a kin of the known ones: SUPG folds it, B-bar and our default do not."""
     sim = column(spacing=1 / 4, poisson_ratio=0.35, end_time=0.14)
     [said] = warned(sim.run)
     assert "the positions have folded" in said

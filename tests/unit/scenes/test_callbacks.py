@@ -205,7 +205,7 @@ def test_a_snapshot_hands_out_nothing_that_could_break_the_run(solver):
     mesh = seen.mesh
     fields = [getattr(seen, each.name) for each in dataclasses.fields(seen)]
     arrays = [field for field in fields if isinstance(field, np.ndarray)]
-    assert len(arrays) == (10 if solver is sph.Simulation else 9)
+    assert len(arrays) == 10
     for array in (*arrays, mesh.vertices, mesh.cells, mesh.face("X+")):
         with pytest.raises(ValueError, match="read-only"):
             array[0] = 0

@@ -125,7 +125,9 @@ def test_a_simulation_asks_with_its_own_state() -> None:
     """The cube's published wave speed, 144.24 m/s, and the smallest distance on the cloud."""
     sim = sph.Simulation(swinging_cube(amplitude=1e-9), spacing=0.25, cfl=0.2, formulation=sph.PF())
     assert sim.stable_time_step() == pytest.approx(0.2 * 0.25 / 144.24, rel=1e-4)
-    disordered = sph.Simulation(swinging_cube(amplitude=1e-9, jitter=0.3), spacing=0.25, cfl=0.3)
+    disordered = sph.Simulation(
+        swinging_cube(amplitude=1e-9, jitter=0.3), spacing=0.25, cfl=0.3, formulation=sph.PF()
+    )
     d = disordered.cloud.X[:, None] - disordered.cloud.X[None]
     distance = np.linalg.norm(d, axis=2) + np.eye(len(d))
     expected = 0.3 * np.min(distance) / 144.24
