@@ -252,7 +252,7 @@ class Simulation(BaseSimulation):
         """One step of ``dt`` [s]; intrinsic times of the step are shares of the stable one."""
         if self._rhs.follows_step and math.isnan(self._allowed):
             self.stable_time_step()
-        self._rhs.begin_step(Units(self._time_step.crossing, self._allowed))
+        self._rhs.begin_step(Units(self._time_step.crossing, self._allowed, self.step))
         self._allowed = math.nan
         self._stepper.advance(dt, self.time)
         self.time += dt

@@ -91,7 +91,7 @@ class StageBudget:
         self.constraint = np.zeros((2, 3))
         self.reaction = np.zeros((len(rhs.essential.particles), 3))
         self._powers = np.zeros((operator.size, 2))
-        rhs.keeps_rates = True
+        rhs.always_keeps_rates = True
         rhs.keep_galerkin_stress()
         for term in rhs.terms:
             term.keep_for_powers()

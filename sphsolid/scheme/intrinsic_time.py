@@ -23,11 +23,13 @@ _WHY = "a negative one feeds energy into the modes it should damp"
 class Units:
     """What times are multiples of [s]: ``mesh = h / c_p``, ``step`` what the CFL rule allows now.
 
-    ``step`` may be nan where no time is one of the step.
+    ``step`` may be nan where no time is one of the step.  ``number`` counts the steps that were
+    made before.
     """
 
     mesh: float
     step: float
+    number: int = 0
 
 
 @dataclass(frozen=True)

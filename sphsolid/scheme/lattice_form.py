@@ -63,10 +63,11 @@ class LatticeRightHandSide(RightHandSide):
         box = box_of(cloud.mesh)
         assert isinstance(box, BoxLattice)
         assert isinstance(kind, LatticeDifference)
-        self._parts, smoothing, self._rest = _FREE, 0, 0.0
+        self._restraint: LineRestraint | None = None
+        smoothing, self._rest = 0, 0.0
         for term in terms:
             if isinstance(term, LineRestraint):
-                self._parts = term.parts
+                self._restraint = term
             elif isinstance(term, FilteredDilatationTerm):
                 smoothing, self._rest = term.options.order, term.stiffness
         self._grid = Grid(
@@ -78,12 +79,12 @@ class LatticeRightHandSide(RightHandSide):
         self._planes = planes(self._grid, smoothing)
         self._work = lattice_force.make_work(
             self._grid, workers=numba.config.NUMBA_NUM_THREADS, filtered=smoothing > 0,
-            restrained=self._parts != _FREE, beta=self._rest > 0.0,
+            restrained=self._restraint is not None, beta=self._rest > 0.0,
         )  # fmt: skip
         # No stress is kept.
         self.P = self.P_galerkin = self.P[:0]
         self._F = self.operator.zeros(Field("F", "tensor"))[:0]
-        self.keeps_rates = self.has_budget = False
+        self.has_budget = False
 
     def keep_galerkin_stress(self) -> None:
         """For a budget: ``F`` and its law's stress, that of an evaluation, from now on."""
@@ -127,8 +128,9 @@ class LatticeRightHandSide(RightHandSide):
         return rates
 
     def _forces(self, state: State, arms: Array) -> None:
+        parts = _FREE if self._restraint is None else self._restraint.acting
         lattice_force.forces(
-            *self._grid, self._planes, self.material, self._rest, self._parts,
+            *self._grid, self._planes, self.material, self._rest, parts,
             components(arms), components(state.p), self._work, components(state[STRETCH])[0],
             components(self.rates.p),
         )  # fmt: skip

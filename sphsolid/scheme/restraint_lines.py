@@ -80,13 +80,13 @@ class LineRestraint(RestraintTerm):
     def add_stress(self, stage: Stage) -> None:
         """What goes through ``F`` and ``L``; the rest is kept for :meth:`add_rates`."""
         x, v, F, L = self._grids(self.measured(stage))
-        parts, force = self.parts, np.zeros_like(x)
+        parts, force = self.acting, np.zeros_like(x)
         through = np.zeros((*x.shape, 3))
         for axis in self._axes:
             e, V = axis.difference(x), axis.V[..., None]
             r2 = np.sum(e * e, axis=-1, keepdims=True) / axis.dx**2
             t = V / axis.dx**2 * (parts.quartic * r2 + parts.elastic) * e
-            if self.is_damped:
+            if self.needs_rates:
                 F_m, L_m = F[axis.middle], L[axis.middle]
                 w = parts.viscosity * V / axis.dx * _rate(F_m, L_m, axis.difference(v), e)
                 t += np.einsum("...ij,...j->...i", F_m, w)
@@ -105,7 +105,7 @@ class LineRestraint(RestraintTerm):
         for axis in self._axes:
             e = axis.difference(x)
             r2 = np.sum(e * e, axis=-1) / axis.dx**2
-            parts = self.parts
+            parts = self.acting
             stored += float(
                 np.sum(axis.V * (0.25 * parts.quartic * r2 + 0.5 * parts.elastic) * r2)
             )

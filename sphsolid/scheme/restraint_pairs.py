@@ -188,7 +188,7 @@ class PairRestraint(RestraintTerm):
         """The part through ``F``; the other is kept for :meth:`add_rates`."""
         measured = self.measured(stage)
         restrain(
-            self._near, self.parts, measured, components(self._direct), components(stage.P)
+            self._near, self.acting, measured, components(self._direct), components(stage.P)
         )
 
     def add_rates(self, stage: Stage) -> None:
@@ -196,7 +196,7 @@ class PairRestraint(RestraintTerm):
         stage.rates.p += self._direct
 
     def _sums(self, measured: Measured, given: tuple[Array, Array]) -> tuple[float, float]:
-        energies(self._near, self.parts, measured, given, self._energies)
+        energies(self._near, self.acting, measured, given, self._energies)
         stored, taken = np.sum(self._energies, axis=0)
         return float(stored), float(taken)
 

@@ -49,6 +49,8 @@ class RestraintTerm(Term):
     def __init__(self, options: Restraint, parts: RestraintParts, set_up: SetUp) -> None:
         self.options = options
         self.parts = parts
+        #: What acts in this step: the viscosity all at once, or not at all.
+        self.acting = parts._replace(viscosity=parts.viscosity * options.interval)
         self.needs_rates = self.is_damped = parts.viscosity > 0.0
         self.works = ("dissipation_restraint",) if self.is_damped else ()
         self._set_up = set_up
@@ -64,6 +66,13 @@ class RestraintTerm(Term):
             return tensor_field(0, particle_major=self._set_up.cloud.particle_major)
         return self._operator.zeros(Field("F", "tensor"))
 
+    def begin_step(self, units: Units) -> None:
+        """Let the viscosity act, or rest."""
+        interval = self.options.interval
+        self.needs_rates = self.is_damped and units.number % interval == 0
+        viscosity = self.parts.viscosity * interval if self.needs_rates else 0.0
+        self.acting = self.parts._replace(viscosity=viscosity)
+
     def keep_for_powers(self) -> None:
         """Keep ``grad v`` of an evaluation from now on."""
         if self.is_damped and not self._L_kept.size:
@@ -77,7 +86,7 @@ class RestraintTerm(Term):
                 self._F = self._tensor()
             F = self._F
             operator.force_gradient(stage.arms, 1.0, F)
-        if self.is_damped:
+        if self.needs_rates:
             np.divide(stage.state.p, self._set_up.material.density, out=self._v)
             L = self._gradient_of_v(stage)
             if self._L_kept.size:
@@ -99,8 +108,10 @@ class RestraintTerm(Term):
 
     def powers(self, stage: Stage) -> tuple[float, ...]:
         """What the viscous force of the last evaluation takes at the velocities of ``stage``."""
-        if not self.is_damped or self._measured is None:
+        if not self.is_damped:
             return ()
+        if not self.needs_rates or self._measured is None:
+            return (0.0,)
         v = as_field(stage.state.p / self._set_up.material.density)
         given = components(v), components(self._gradient_of_v(stage))
         return (self._sums(self._measured, given)[1],)
@@ -121,14 +132,16 @@ class RestraintTerm(Term):
 
     def largest_step(self, state: State) -> float:
         """Damping that lags by half a step needs ``d dt < 1`` beside oscillations; see ``rate``."""
-        fastest = _STRETCH**2 * self.rate
+        fastest = _STRETCH**2 * self.rate * self.options.interval
         return 1.0 / fastest if fastest > 0.0 else float("inf")
 
     def description(self, units: Units) -> str:
         """Stiffness, viscosity and the form they have here."""
+        interval = self.options.interval
+        every = f" in every {interval}th step" if self.is_damped and interval > 1 else ""
         return (
             f"restraint {self.form}: {self.options.stiffness}, viscosity "
-            f"{self.options.viscosity:g} rho0 c_p, both momenta exact"
+            f"{self.options.viscosity:g} rho0 c_p{every}, both momenta exact"
         )
 
     #: What is measured, in the words of the plan.

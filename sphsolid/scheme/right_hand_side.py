@@ -42,10 +42,8 @@ class RightHandSide:
         self.operator = operator = set_up.operator
         self.loads, self.essential = set_up.loads, set_up.essential
         self.projects = set_up.projects
-        #: ``grad v`` is taken even where no evolved field needs it.
-        self.keeps_rates = any(name in self.evolved for name in "FHJ") or any(
-            term.needs_rates for term in terms
-        )
+        #: ``grad v`` is taken even where no term of the step needs it.
+        self.always_keeps_rates = any(name in self.evolved for name in "FHJ")
         self.rates = State(
             **{field.name: operator.zeros(field) for field in fields if field.name != "x"}
         )
@@ -72,6 +70,11 @@ class RightHandSide:
         """Let every term take coefficients that belong to the state at the start of a step."""
         for term in self.terms:
             term.begin_step(units)
+
+    @property
+    def keeps_rates(self) -> bool:
+        """True where the evaluations of this step take ``grad v``."""
+        return self.always_keeps_rates or any(term.needs_rates for term in self.terms)
 
     @property
     def follows_step(self) -> bool:

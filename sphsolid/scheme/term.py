@@ -32,7 +32,7 @@ class Term:
     works: tuple[str, ...] = ()
     #: Fields beside ``p`` and those of its own whose rates it changes; ``J`` is the only one.
     changes: tuple[str, ...] = ()
-    #: It reads ``stage.rates.F`` or the rates of other fields.
+    #: It reads ``stage.rates.F`` or the rates of other fields, in this step.
     needs_rates: bool = False
     #: It reads ``stage.projected_rate``.
     needs_projected_rate: bool = False

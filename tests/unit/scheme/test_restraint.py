@@ -134,7 +134,8 @@ def test_an_affine_motion_is_not_restrained(case):
 
 def test_energy_falls_and_its_budget_closes_to_the_order_of_the_integrator():
     rests = []
-    for cfl in (0.4, 0.2):
+    # Fewer steps than these have one viscous push or two.
+    for cfl in (0.2, 0.1):
         sim = sph.Simulation(
             scene(Box(jitter=0.3), end=4e-3), spacing=0.25, formulation=sph.Displacement(),
             stabilisation=sph.Restraint(), cfl=cfl,
@@ -143,6 +144,28 @@ def test_energy_falls_and_its_budget_closes_to_the_order_of_the_integrator():
         assert history["dissipation_restraint [J]"][-1] < 0.0
         rests.append(abs(history["energy_rest [J]"][-1]))
     assert rests[1] < 0.35 * rests[0]
+
+
+def test_the_viscosity_acts_at_intervals_as_much_as_all_the_time():
+    taken = []
+    for interval in (1, 4):
+        sim = sph.Simulation(
+            scene(Box(jitter=0.3), end=4e-3), spacing=0.25, formulation=sph.Displacement(),
+            stabilisation=sph.Restraint(interval=interval), cfl=0.1,
+        )  # fmt: skip
+        taken.append(sim.run(record=[EnergyBudget()])["dissipation_restraint [J]"][-1])
+    assert taken[1] == pytest.approx(taken[0], rel=0.05)
+    term = sim._rhs.terms[0]
+    for _ in range(9):
+        pushes = sim.step % 4 == 0
+        sim.advance(sim.stable_time_step())
+        assert term.acting.viscosity == (4.0 * term.parts.viscosity if pushes else 0.0)
+
+
+@pytest.mark.parametrize("interval", [0, 17, 2.0, True, None])
+def test_an_interval_is_a_number_of_steps(interval):
+    with pytest.raises(sph.InputError, match="interval"):
+        sph.Restraint(interval=interval)
 
 
 def test_restart_and_copy_go_on_bit_for_bit(tmp_path):
