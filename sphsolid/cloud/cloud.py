@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.sparse import csr_array
 
 from sphsolid.cloud.boundary_weights import quadratically_exact_areas
 from sphsolid.cloud.consistent import divergence_defect
@@ -66,7 +67,7 @@ class Cloud:
     left_out: int
     parts: int
     kind: OperatorKind
-    areas_by_tag: dict[str, Array] = field(default_factory=dict)
+    areas_by_tag: dict[str, csr_array] = field(default_factory=dict)
 
     @property
     def h(self) -> float:
@@ -76,7 +77,7 @@ class Cloud:
     def areas_of(self, face: str) -> Array:
         """Area vectors of a tag ``(N, 3)`` [m^2]; those of all tags add up to :attr:`areas`."""
         if face in self.areas_by_tag:
-            return self.areas_by_tag[face]
+            return np.asarray(self.areas_by_tag[face].toarray())
         part = area_vectors(self.mesh, self.mesh.face(face))
         if np.array_equal(self.areas, area_vectors(self.mesh, self.mesh.boundary)):
             return part
@@ -225,7 +226,7 @@ def build_cloud(
     return Cloud(
         mesh, X, V, gradients.areas, lengths, kinematic, force, adjoint, smoothing, h_min,
         gradients.iterations, gradients.change, sight, left_out, int(parts_of(pairs).max()) + 1,
-        operator, by_tag,
+        operator, {name: csr_array(part) for name, part in by_tag.items()},
     )  # fmt: skip
 
 

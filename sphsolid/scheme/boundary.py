@@ -47,8 +47,7 @@ class Loads:
             per_volume = (size / cloud.V[particles])[:, None]
             self._patches.append((traction, particles, normal, per_volume))
         self._at: float | None = None
-        self._total = np.zeros_like(cloud.X)
-        self._body = np.zeros_like(cloud.X)
+        self._total = self._body = np.zeros_like(cloud.X)
 
     @property
     def any(self) -> bool:
@@ -65,7 +64,7 @@ class Loads:
         if t != self._at:
             if self.has_body_force:
                 self._body = self._scene.body_force_at(self._X, t)
-            self._total = self._body.copy()
+            self._total = self._body.copy() if self._patches else self._body
             for traction, particles, normal, per_volume in self._patches:
                 value = traction.at(self._X[particles], normal, t)
                 self._total[particles] += per_volume * value

@@ -18,6 +18,7 @@ is composed of drifts and kicks keep angular momentum exactly.
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from sphsolid.compiled import inlined, kernel, prange
 from sphsolid.continuum.tensor import axpy, cofactor, contract, cross
@@ -30,6 +31,7 @@ from sphsolid.scheme.stages import moved, pushed_by
 from sphsolid.scheme.state import State
 from sphsolid.scheme.tile import STRIDE, U, load_lane, make_scratch, store_lane
 
+Array = NDArray[np.float64]
 # Scratch rows.
 _L, _F, _H, _J = 0, 9, 18, 27
 
@@ -118,8 +120,8 @@ class DriftKick:
         self.state = state
         self.essential = essential
         self.budget: StageBudget | NoBudget = NoBudget()
-        # Of the start of a kick nothing but p is needed later on.
-        self._p_start = vector_field(len(state.p))
+        # Of the start of a kick nothing but p is needed later on, and that by a budget alone.
+        self._p_start = vector_field(0)
         self._scratch = make_scratch()
         self._kicks_J = any("J" in term.changes for term in rhs.terms)
         self._drifts = any(name in rhs.evolved for name in "FHJ")
@@ -135,11 +137,11 @@ class DriftKick:
 
     def kick(self, b: float, at: float, imposed_at: float) -> None:
         """By ``b`` [s], with the loads of time ``at`` and the conditions of ``imposed_at``."""
-        rhs, state, essential, p_start = self.rhs, self.state, self.essential, self._p_start
+        rhs, state, essential = self.rhs, self.state, self.essential
         rates = rhs.evaluate(
             state, state.x, at, knows_L=self._drifts, derives_F=not rhs.formulation.evolves_F
         )
-        p_start[:] = state.p
+        p_start = self._kept(state.p)
         moved(p_start, b, (0.5, 0.5), rates.p, rates.p, state.p)
         held = essential.particles
         pushed = state.p[held]
@@ -152,6 +154,15 @@ class DriftKick:
             _kick_J(
                 b, components(rhs.rates.F), F, H, components(rhs.rates.J), J, self._scratch
             )
+
+    def _kept(self, p: Array) -> Array:
+        """A copy of ``p``, or itself where nobody will ask what it was."""
+        if not self.budget.looks:
+            return p
+        if not self._p_start.size:
+            self._p_start = vector_field(len(p))
+        self._p_start[:] = p
+        return self._p_start
 
     def drift(self, a: float) -> None:
         """By ``a`` [s] with the velocities that there are."""

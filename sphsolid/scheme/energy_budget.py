@@ -56,6 +56,8 @@ def _moments(impulse: Array, x: Array) -> Array:
 class NoBudget:
     """Nobody asked where energy and momentum go: the stages are not looked at."""
 
+    looks = False
+
     def stage(self, state: State, geometry: Array, dt: float, t: float) -> None:
         """Nothing."""
 
@@ -79,6 +81,8 @@ class StageBudget:
     impulse [N m s] about the origin; ``reaction (n, 3)`` [N s] the impulse on each constrained
     particle.
     """
+
+    looks = True
 
     def __init__(self, rhs: RightHandSide) -> None:
         self._rhs = rhs

@@ -14,6 +14,7 @@ resists, and ``p~``, not ``U'(J)``, the mean stress.
 
 from __future__ import annotations
 
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -62,10 +63,6 @@ class FilteredDilatationTerm(Term):
         )
         size = set_up.operator.size
         evolves_J = set_up.formulation.evolves_J
-        self._J = scalar_field(0 if evolves_J else size)
-        self._smooth, self._work, self._pressure, self.excess = (
-            scalar_field(size) for _ in range(4)
-        )
         self._tiles = -(-size // LANES)
         self._none = tensor_field(0, particle_major=set_up.cloud.particle_major)
         self._gradient = self._F_x = self._none
@@ -73,17 +70,30 @@ class FilteredDilatationTerm(Term):
         self._powers = np.zeros(size if evolves_J else 0)
         self._scratch = make_scratch()
 
+    # The evaluation on a box lattice has arrays of its own and no use for these.
+    @cached_property
+    def excess(self) -> Array:
+        """``p~ - U'(J)  (N,)`` [Pa] of the last evaluation."""
+        return scalar_field(self._set_up.operator.size)
+
+    @cached_property
+    def _arrays(self) -> tuple[Array, Array, Array, Array]:
+        size = self._set_up.operator.size
+        own = 0 if self._set_up.formulation.evolves_J else size
+        return scalar_field(own), scalar_field(size), scalar_field(size), scalar_field(size)
+
     def add_stress(self, stage: Stage) -> None:
         """``P += [p~ - U'(J)] H``, projected where the stresses are."""
         _, F, H, J = stage.state.rows()
+        own_J, smooth, work, pressure = self._arrays
         if not J.size:
-            J = components(self._J)
+            J = components(own_J)
             volumetric_stress.jacobian(F, self._tiles, J, self._scratch)
         own = J[0, : len(self.excess)]
-        self._filter.apply(own, self._work, self._smooth)
-        of_filtered = (self._material, self.stiffness, own, self._smooth)
-        volumetric_stress.conjugate(*of_filtered, self._pressure)
-        self._filter.apply(self._pressure, self._work, self.excess)
+        self._filter.apply(own, work, smooth)
+        of_filtered = (self._material, self.stiffness, own, smooth)
+        volumetric_stress.conjugate(*of_filtered, pressure)
+        self._filter.apply(pressure, work, self.excess)
         volumetric_stress.excess(*of_filtered, self.excess)
         self._F_x = self._geometry(stage)
         volumetric_stress.add(

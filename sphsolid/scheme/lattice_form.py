@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from sphsolid.cloud.lattice.box import BoxLattice, box_of
 from sphsolid.cloud.lattice.lines import Grid, lines, planes
 from sphsolid.cloud.lattice_difference import LatticeDifference
-from sphsolid.fields import components
+from sphsolid.fields import components, tensor_field
 from sphsolid.scheme import lattice_force
 from sphsolid.scheme.filtered_dilatation import FilteredDilatationTerm
 from sphsolid.scheme.formulation import Displacement
@@ -81,9 +81,9 @@ class LatticeRightHandSide(RightHandSide):
             self._grid, workers=numba.config.NUMBA_NUM_THREADS, filtered=smoothing > 0,
             restrained=self._restraint is not None, beta=self._rest > 0.0,
         )  # fmt: skip
-        # No stress is kept.
-        self.P = self.P_galerkin = self.P[:0]
-        self._F = self.operator.zeros(Field("F", "tensor"))[:0]
+        # No stress is kept, nor a gradient.
+        self.P = self.P_galerkin = tensor_field(0, particle_major=cloud.particle_major)
+        self._F = tensor_field(0, particle_major=cloud.particle_major)
         self.has_budget = False
 
     def keep_galerkin_stress(self) -> None:

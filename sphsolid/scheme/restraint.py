@@ -93,22 +93,19 @@ class Elastic(Stiffness):
         return f"elastic {self.c:g} mu"
 
 
-#: Longest interval in steps: what it is meant to damp must not grow within one.
-LONGEST = 16
-
-
 @dataclass(frozen=True)
 class Restraint(TermOption):
     """Stiffness and viscosity against the motion that the gradient does not see.
 
     ``viscosity`` is the share of ``rho0 c_p``: the dissipation potential is
-    ``1/2 viscosity rho0 c_p V_ab |d(F^T e)/dt|^2 / |X_ab|``.  It acts in every ``interval``-th
-    step, ``interval`` times as strong: what it needs of the velocities is dear.
+    ``1/2 viscosity rho0 c_p V_ab |d(F^T e)/dt|^2 / |X_ab|``.  What it needs of
+    the velocities is dear: ``spaced``, it acts in some steps, for all since it last did (see
+    ``restraint_term.PUSHES``).
     """
 
     stiffness: Stiffness = field(default_factory=Quartic)
     viscosity: float = 0.02
-    interval: int = 4
+    spaced: bool = True
 
     def __post_init__(self) -> None:
         check_protocol(
@@ -120,11 +117,9 @@ class Restraint(TermOption):
             f"Restraint: viscosity = {self.viscosity!r} must be within [0, 1); 0.02 is the default",
         )
         require(
-            isinstance(self.interval, int)
-            and not isinstance(self.interval, bool)
-            and 1 <= self.interval <= LONGEST,
-            f"Restraint: interval = {self.interval!r} must be a whole number of steps from 1 to "
-            f"{LONGEST}; 4 is the default",
+            isinstance(self.spaced, bool),
+            f"Restraint: spaced = {self.spaced!r} must be True (the viscosity acts in 4 of 15 "
+            "steps, for all of them) or False (in every step)",
         )
         if self.viscosity == self.stiffness.quartic == self.stiffness.elastic == 0.0:
             raise InputError(

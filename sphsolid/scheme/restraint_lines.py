@@ -15,6 +15,7 @@ This is the plain form, for any formulation; ``lattice_force`` has it in kernels
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import cached_property
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -67,15 +68,28 @@ class LineRestraint(RestraintTerm):
         super().__init__(options, parts, set_up)
         box = box_of(set_up.cloud.mesh)
         assert isinstance(box, BoxLattice), "a lattice difference has one"
-        self._number = box.number
-        self._V = set_up.cloud.V[box.number][..., None]
-        self._axes = list(_axes(box, set_up.cloud.V[box.number]))
-        self._direct = np.zeros((set_up.cloud.size, 3))
+        self._box = box
+        self._direct = np.zeros((0, 3))
         norms = _weights(box, set_up.cloud.V[box.number])
         pull = sum(
-            _largest(axis.weights, norms[axis.axis]) / axis.dx for axis in self._axes
+            _largest(_weights_of(n), norms[axis]) / box.dx[axis]
+            for axis, n in enumerate(box.counts)
+            if n >= 3
         )
         self.rate = parts.viscosity * pull / set_up.material.density
+
+    # The evaluation on a box lattice has tables of its own and no use for these.
+    @cached_property
+    def _number(self) -> NDArray[np.int64]:
+        return self._box.number
+
+    @cached_property
+    def _V(self) -> Array:
+        return np.asarray(self._set_up.cloud.V[self._number][..., None])
+
+    @cached_property
+    def _axes(self) -> list[_Axis]:
+        return list(_axes(self._box, self._set_up.cloud.V[self._number]))
 
     def add_stress(self, stage: Stage) -> None:
         """What goes through ``F`` and ``L``; the rest is kept for :meth:`add_rates`."""
@@ -92,6 +106,8 @@ class LineRestraint(RestraintTerm):
                 t += np.einsum("...ij,...j->...i", F_m, w)
                 through[axis.middle] += e[..., :, None] * w[..., None, :]
             axis.spread(t, force)
+        if not self._direct.size:
+            self._direct = np.zeros((self._set_up.cloud.size, 3))
         self._direct[self._number] = force / self._V
         stage.P[self._number] += through / self._V[..., None]
 
@@ -157,6 +173,11 @@ def _largest(difference: Array, norm: Array) -> float:
     return float(np.linalg.eigvalsh((D / h) @ D.T)[-1])
 
 
+def _weights_of(n: int) -> Array:
+    """The difference along an axis of ``n`` particles, three or more."""
+    return FOURTH if n >= 5 else SECOND
+
+
 def _weights(box: BoxLattice, V: Array) -> list[Array]:
     """The norm along each axis: volumes over those at the first particle of a line."""
     lines = [V[:, 0, 0], V[0, :, 0], V[0, 0, :]]
@@ -168,7 +189,7 @@ def _axes(box: BoxLattice, V: Array) -> Iterator[_Axis]:
     for axis, n in enumerate(box.counts):
         if n < 3:
             continue
-        difference = FOURTH if n >= 5 else SECOND
+        difference = _weights_of(n)
         reach = len(difference) // 2
         middle = tuple(
             slice(reach, n - reach) if other == axis else slice(None) for other in range(3)

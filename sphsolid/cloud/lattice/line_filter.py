@@ -18,11 +18,9 @@ commute, so their product is symmetric in the products of the norms.
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import csr_array, eye_array, kron
+from scipy.sparse import csr_array
 
 from sphsolid.cloud.lattice.box import BoxLattice
 
@@ -84,36 +82,23 @@ class LineFilter:
         self, box: BoxLattice, weights: tuple[Array, Array, Array], *, order: int
     ) -> None:
         self.order = order
-        line = box.number.ravel()
-        place = csr_array((np.ones(line.size), (np.arange(line.size), line)))
+        self._number = box.number
         self._axes = [
-            _of_all_lines(rough_part(weight, order), axis, box.counts, place)
-            for axis, weight in enumerate(weights)
+            (csr_array(T), csr_array(D))
+            for T, D in (rough_part(weight, order) for weight in weights)
         ]
 
     def apply(self, f: Array, work: Array, out: Array) -> None:
         """``out = S f``, all ``(N,)`` and three different arrays; ``work`` is overwritten."""
-        out[:] = f
-        for T, D in self._axes:
-            work[:] = T @ (D @ out)
-            out -= work
+        grid = f[self._number]
+        for axis, (T, D) in enumerate(self._axes):
+            lines = np.moveaxis(grid, axis, 0)
+            # Sums over one line in order, whatever the machine's matrix products do.
+            rough = T @ (D @ lines.reshape(len(lines), -1))
+            lines -= rough.reshape(lines.shape)
+        out[self._number] = grid
 
     @property
     def description(self) -> str:
         """Which filter it is."""
         return f"lines of the lattice, order {self.order}"
-
-
-def _of_all_lines(
-    factor: tuple[Array, Array], axis: int, counts: tuple[int, int, int], place: csr_array
-) -> tuple[Any, Any]:
-    """``T`` and ``D`` for the particles in their own numbering."""
-    ones = [eye_array(n) for n in counts]
-
-    def spread(matrix: Array) -> Any:
-        parts: list[Any] = list(ones)
-        parts[axis] = csr_array(matrix)
-        return kron(kron(parts[0], parts[1]), parts[2])
-
-    T, D = factor
-    return csr_array(place.T @ spread(T)), csr_array(spread(D) @ place)

@@ -10,7 +10,6 @@ import pytest
 from sphsolid.cloud.lattice.closures import difference
 from sphsolid.cloud.lattice.line_filter import filter_matrix
 from sphsolid.continuum.law import QUADRATIC, register_law
-from sphsolid.scheme.lattice_motion import kick_and_drift, kick_and_half_drift
 from sphsolid.scheme.restraint_term import RestraintParts
 from tests.oracles.lattice_body import NONE, SOLID, LatticeBody
 
@@ -188,16 +187,3 @@ def test_whatever_axis_is_the_slow_one():
     for other in others:
         assert np.abs(other.force(ALL) - f).max() < 1e-11 * np.abs(f).max()
         assert np.abs(other.stretch - first.stretch).max() < 1e-9
-
-
-def test_kick_and_drift_have_the_bits_of_separate_passes():
-    rng = np.random.default_rng(0)
-    f, p, x = rng.normal(size=(3, 100))
-    kicked = p + 0.3 * f
-    half = x + 0.1 * kicked
-    p_1, x_1, p_2, x_2 = p.copy(), x.copy(), p.copy(), x.copy()
-    kick_and_drift(0.3, f, 0.1, 0.2, p_1, x_1)
-    kick_and_half_drift(0.3, f, 0.1, p_2, x_2)
-    assert p_1.tobytes() == p_2.tobytes() == kicked.tobytes()
-    assert x_2.tobytes() == half.tobytes()
-    assert x_1.tobytes() == (half + 0.2 * kicked).tobytes()

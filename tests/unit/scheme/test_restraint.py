@@ -12,6 +12,7 @@ from sphsolid.errors import InputError
 from sphsolid.record import EnergyBudget
 from sphsolid.scenes import Blocks, Box, Scene
 from sphsolid.scheme.intrinsic_time import Units
+from sphsolid.scheme.restraint_term import CYCLE, MOST, MOST_SPACED, PUSHES
 from sphsolid.scheme.right_hand_side import RightHandSide
 
 SOLID = sph.NeoHookean.from_young(young_modulus=1.7e7, poisson_ratio=0.3, density=1100.0)
@@ -134,7 +135,7 @@ def test_an_affine_motion_is_not_restrained(case):
 
 def test_energy_falls_and_its_budget_closes_to_the_order_of_the_integrator():
     rests = []
-    # Fewer steps than these have one viscous push or two.
+    # Fewer steps than these have one push of the viscosity or two.
     for cfl in (0.2, 0.1):
         sim = sph.Simulation(
             scene(Box(jitter=0.3), end=4e-3), spacing=0.25, formulation=sph.Displacement(),
@@ -146,26 +147,51 @@ def test_energy_falls_and_its_budget_closes_to_the_order_of_the_integrator():
     assert rests[1] < 0.35 * rests[0]
 
 
-def test_the_viscosity_acts_at_intervals_as_much_as_all_the_time():
+def test_a_spaced_viscosity_takes_as_much_as_one_of_every_step():
     taken = []
-    for interval in (1, 4):
+    for spaced in (False, True):
         sim = sph.Simulation(
             scene(Box(jitter=0.3), end=4e-3), spacing=0.25, formulation=sph.Displacement(),
-            stabilisation=sph.Restraint(interval=interval), cfl=0.1,
+            stabilisation=sph.Restraint(spaced=spaced), cfl=0.02,
         )  # fmt: skip
         taken.append(sim.run(record=[EnergyBudget()])["dissipation_restraint [J]"][-1])
     assert taken[1] == pytest.approx(taken[0], rel=0.05)
     term = sim._rhs.terms[0]
-    for _ in range(9):
-        pushes = sim.step % 4 == 0
+    for _ in range(CYCLE):
+        number = sim.step % CYCLE
         sim.advance(sim.stable_time_step())
-        assert term.acting.viscosity == (4.0 * term.parts.viscosity if pushes else 0.0)
+        assert term.acting.viscosity == PUSHES.get(number, 0) * term.parts.viscosity
 
 
-@pytest.mark.parametrize("interval", [0, 17, 2.0, True, None])
-def test_an_interval_is_a_number_of_steps(interval):
-    with pytest.raises(sph.InputError, match="interval"):
-        sph.Restraint(interval=interval)
+def growth(pushes, cycle, theta, damping):
+    """Spectral radius of a cycle of position Verlet; a step turns by ``theta``, damped apart."""
+    half, omega2 = np.array([[1.0, 0.5], [0.0, 1.0]]), (2.0 * np.sin(theta / 2.0)) ** 2
+    whole = np.eye(2)
+    for n in range(cycle):
+        kick = np.array([[1.0, 0.0], [-omega2, 1.0 - damping * pushes.get(n, 0)]])
+        whole = half @ kick @ half @ whole
+    return np.abs(np.linalg.eigvals(whole)).max()
+
+
+def test_the_rhythm_damps_every_oscillation():
+    assert sum(PUSHES.values()) == CYCLE
+    at = sorted(PUSHES)
+    assert all(PUSHES[b] == (b - a) % CYCLE for a, b in zip([at[-1], *at], at, strict=False))
+    angles = np.linspace(0.01, 2.0 * np.arcsin(0.75), 300)
+    for damping in (1e-3, 0.01, 0.05, 0.1, 0.2, MOST_SPACED):
+        assert max(growth(PUSHES, CYCLE, angle, damping) for angle in angles) < 1.0
+    # Equal intervals do not.
+    for interval in (2, 4):
+        pushes = {0: interval}
+        assert max(growth(pushes, interval, angle, 0.01) for angle in angles) > 1.001
+    for damping in (0.01, 0.3, MOST):
+        assert max(growth({0: 1}, 1, angle, damping) for angle in angles) < 1.0
+
+
+@pytest.mark.parametrize("spaced", [0, 4, None, "yes"])
+def test_spaced_is_a_yes_or_a_no(spaced):
+    with pytest.raises(sph.InputError, match="spaced"):
+        sph.Restraint(spaced=spaced)
 
 
 def test_restart_and_copy_go_on_bit_for_bit(tmp_path):
