@@ -1,7 +1,8 @@
 """A block with a round hole through it, of hexahedra that follow the hole.
 
 Seen along Z the mesh is a ring of cells: spokes run from the hole to the sides of the block, and
-layers go around.  So there is no lattice, and both solvers see a curved boundary.
+layers go around, thin at the hole and thicker outwards.  So there is no lattice, and both solvers see
+a curved boundary.
 """
 
 from __future__ import annotations
@@ -29,8 +30,8 @@ WIDEST = 0.8
 class HoledBlock:
     """Axis-aligned block with a hole of ``radius`` [m] along Z through its middle.
 
-    Faces ``X- X+ Y- Y+ Z- Z+`` and ``hole``.  The particles or nodes are ``spacing`` apart on the
-    sides and closer at the hole.  Raises ``InputError`` for a block without volume and a hole that
+    Faces ``X- X+ Y- Y+ Z- Z+`` and ``hole``.  Particles or nodes are ``spacing`` apart on the sides
+    and closer at the hole.  Raises ``InputError`` for a block without volume and a hole that
     leaves less than a tenth of the shorter side on either side of it.
     """
 
@@ -71,10 +72,13 @@ class HoledBlock:
         way = rim - middle
         length = np.linalg.norm(way, axis=1)
         hole = middle + self.radius * way / length[:, None]
-        layers = max(2, round(float(length.mean() - self.radius) / edge))
-        deep = max(1, round((upper[2] - lower[2]) / edge))
-        share = np.linspace(0.0, 1.0, layers + 1)[:, None, None]
-        plane = ((1.0 - share) * hole + share * rim).reshape(-1, 2)
+        # Outwards each layer is thicker as its circle is longer: the cells stay as wide as long.
+        growth = 1.0 + 2.0 * math.pi / len(rim)
+        layers = max(2, round(math.log(float(length.mean()) / self.radius) / math.log(growth)))
+        # Along Z as at the hole, where the stress is: cells are flat only far from it.
+        deep = max(1, round((upper[2] - lower[2]) * len(rim) / (2.0 * math.pi * self.radius)))
+        share = (growth ** np.arange(layers + 1.0) - 1.0) / (growth**layers - 1.0)
+        plane = (hole + share[:, None, None] * (rim - hole)).reshape(-1, 2)
         heights = np.linspace(lower[2], upper[2], deep + 1)
         vertices = np.array([(*point, z) for z in heights for point in plane])
         cells, faces = _connected(len(rim), layers, deep, side_of)
