@@ -67,15 +67,15 @@ def results_table(reports: Reports) -> str:
     side = f"{1.0 / summary[summary['nu'] == NU]['h_finest'].min() + 1.0:.0f}³"
     rows = []
     for line in LINES:
-        slopes = _slopes(summary, line.convergence)
+        found = slopes(summary, line.convergence)
         counts = judged(hard, line.stability)
         rows.append(
             {
                 "method": line.label,
-                "slope momentum": format_cell(slopes["slope_p"], ".2f"),
-                "slope stress": format_cell(slopes["slope_P"], ".2f"),
-                f"momentum error, {side}": format_cell(slopes["error_p"], ".1e"),
-                f"stress error, {side}": format_cell(slopes["error_P"], ".1e"),
+                "slope momentum": format_cell(found["slope_p"], ".2f"),
+                "slope stress": format_cell(found["slope_P"], ".2f"),
+                f"momentum error, {side}": format_cell(found["error_p"], ".1e"),
+                f"stress error, {side}": format_cell(found["error_P"], ".1e"),
                 "cost at 1 %": cost(costs, line.pareto),
                 "hard cases sound": _of(counts["sound"], counts["cases"]),
                 "folded": _of(counts["folded"], counts["cases"]),
@@ -98,12 +98,20 @@ def with_present_names(summary: pd.DataFrame) -> pd.DataFrame:
     return summary.replace({"method": {PACKAGE.name: SUPG.name}})
 
 
-def _slopes(summary: pd.DataFrame, method: str) -> dict[str, float]:
-    """Worst slopes over scenes and families; largest component errors at large strain."""
+def slopes(summary: pd.DataFrame, method: str) -> dict[str, float]:
+    """Worst slopes over scenes and families; largest component errors at large strain.
+
+    nan of a method that was not run; raises ``InputError`` where some of its runs are missing.
+    """
     runs = select(summary, nu=NU, method=method)
     found = {f"slope_{field}": runs[f"slope_{field}_last"].min() for field in "pP"}
     large = select(runs, scene="manufactured", family="A+B+C=0")
-    return found | {f"error_{field}": large[f"error_{field}_finest"].max() for field in "pP"}
+    found |= {f"error_{field}": large[f"error_{field}_finest"].max() for field in "pP"}
+    require(
+        len(runs) == 0 or not any(math.isnan(number) for number in found.values()),
+        f"summary.csv has not all of {method}: run python -m studies.convergence",
+    )
+    return found
 
 
 def cost(costs: pd.DataFrame, method: str) -> str:

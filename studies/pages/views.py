@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import pandas as pd
 
+from studies.engine.results import read_table
 from studies.measures.tables import select
 
 if TYPE_CHECKING:
@@ -120,3 +121,15 @@ def vibration(reports: Reports) -> pd.DataFrame | None:
     return reports["stability"].table(
         "vibration", "method", "nu", "cells", "energy_left", "frequency_error"
     )
+
+
+def exhibits(reports: Reports) -> list[dict[str, Any]]:
+    """Scenes of the gallery with the rows of their table."""
+    from studies.gallery import EXHIBITS, OUT
+
+    found = read_table(OUT, "numbers")
+    return [
+        {"name": each.name, "call": each.call, "says": each.says,
+         "rows": select(found, scene=each.name)}
+        for each in EXHIBITS
+    ]  # fmt: skip
