@@ -66,7 +66,9 @@ def _in_list(lines: list[str], number: int) -> bool:
 
 
 #: Files beside ``docs/`` that pages link to, and the page of the site that stands for each.
-_PAGES = {"README.md": "index.md", "CHANGELOG.md": "changelog.md", "CONTRIBUTING.md": "contributing.md"}
+_PAGES = {
+    "README.md": "index.md", "CHANGELOG.md": "changelog.md", "CONTRIBUTING.md": "contributing.md",
+}  # fmt: skip
 _LINK = re.compile(r"\[([^\]]*)\]\(((?:\.\./)*)([\w/]+\.md)\)")
 
 

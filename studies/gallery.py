@@ -20,7 +20,7 @@ from sphsolid import scenes
 from sphsolid.errors import InputError, require
 from sphsolid.geometry import MeshFile, Spacing
 from sphsolid.geometry.body import AS_MESHED
-from sphsolid.record import Energy, Probe
+from sphsolid.record import Energy, Probe, Recorder
 from sphsolid.scenes import Scene
 from studies.engine.results import read_table, write_table
 from studies.engine.sources import ROOT
@@ -117,7 +117,8 @@ EXHIBITS = (
         0.5, 0.003, "free_end", "u_x [m]", flat_view(right="x", up="y"),
     ),
     Exhibit(
-        "plate_with_hole", 'plate_with_hole(body=MeshFile("plate_with_hole_hex.msh"), rise=1, hold=0.25)',
+        "plate_with_hole",
+        'plate_with_hole(body=MeshFile("plate_with_hole_hex.msh"), rise=1, hold=0.25)',
         _plate, "A quarter of a plate from a mesh file is pulled slowly: a static answer.",
         AS_MESHED, 0.0, "pulled_middle", "u_y [m]", flat_view(right="x", up="y"),
     ),
@@ -155,7 +156,7 @@ def _ran(
     solver = method.simulation(scene, spacing=exhibit.spacing)
     # Records fall on whole multiples: the picture's time is one of them.
     every = seen / max(1, round(seen / (until / 4.0)))
-    records = [
+    records: list[Recorder] = [
         Energy(), *([Probe(probe)] if probe else []),
         SaveShots(folder, method.name, method.name, times=(0.0, seen)),
     ]  # fmt: skip

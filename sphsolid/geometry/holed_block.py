@@ -1,8 +1,8 @@
 """A block with a round hole through it, of hexahedra that follow the hole.
 
 Seen along Z the mesh is a ring of cells: spokes run from the hole to the sides of the block, and
-layers go around, thin at the hole and thicker outwards.  So there is no lattice, and both solvers see
-a curved boundary.
+layers go around, thin at the hole and thicker outwards.  So there is no lattice, and both solvers
+see a curved boundary.
 """
 
 from __future__ import annotations

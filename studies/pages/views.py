@@ -20,6 +20,8 @@ if TYPE_CHECKING:
 _OPERATORS = {
     "Literal": "as printed", "Consistent": "`Consistent`", "SummationByParts": "`SummationByParts`",
 }  # fmt: skip
+#: Cells of the lattice whose passes are shown.
+_LATTICE = 32
 #: The spacing [m] at which clouds are compared.
 _LEVEL = 1.0 / 16.0
 
@@ -95,9 +97,29 @@ def punch_noise(reports: Reports) -> pd.DataFrame | None:
     return found[found["cells"] == found["cells"].max()]
 
 
-def speed(reports: Reports) -> pd.DataFrame | None:
-    """Targets of the study of speed, and what was measured."""
-    return reports["speed"].table("targets", "target", "asked", "measured", "met")
+def speed(reports: Reports) -> pd.DataFrame:
+    """What was asked of a step, what was measured, and the verdict."""
+    claims = reports["speed"].claims
+    targets = reports["speed"].table("targets", "target", "asked", "measured", "met")
+    if len(claims) or targets is None:
+        return claims
+    words = {"target": "claim"}
+    return targets.assign(verdict=targets["met"].map({True: "met", False: "not met"})).rename(
+        columns=words
+    )
+
+
+def passes(reports: Reports) -> pd.DataFrame | None:
+    """Passes of the default and of SUPG on all threads, and their share of the machine's best."""
+    from studies.speed import DEFAULT, OWN_SUPG
+
+    found = reports["speed"].table(
+        "passes", "method", "cloud", "cells", "threads", "pass", "ns_per_particle", "roofline_share"
+    )
+    if found is None:
+        return None
+    shown = found[found["method"].isin([DEFAULT.name, OWN_SUPG.name])]
+    return select(shown, cloud="lattice", cells=_LATTICE, threads=shown["threads"].max())
 
 
 def set_up(reports: Reports) -> pd.DataFrame | None:
