@@ -49,7 +49,9 @@ def filled(template: Path, root: Path = ROOT) -> str:
     try:
         made = environment.from_string(template.read_text(encoding="utf-8"))
         text = made.render(reports=Reports(root), table=markdown_table, isnan=math.isnan)
-    except jinja2.TemplateError as error:
+    except InputError:
+        raise
+    except Exception as error:
         raise InputError(f"{template.name}: {type(error).__name__}: {error}") from error
     return NOTE.format(template.name) + text
 

@@ -60,8 +60,11 @@ def hole(reports: Reports) -> dict[str, Any] | None:
     known = report.table("known", "what", "concentration")
     if runs is None or known is None:
         return None
+    wanted = {"method": "method", "operator": "operator", "mesh": "mesh", "particles": "particles",
+              "edge_fit": "concentration", "highest_particles": "highest particle"}  # fmt: skip
     shown = select(runs, thickness="plane_strain")
-    return {"runs": shown, "known": known}
+    there = [name for name in wanted if name in shown]
+    return {"runs": shown[there].rename(columns=wanted), "known": known}
 
 
 def pareto(reports: Reports) -> dict[str, Any] | None:
