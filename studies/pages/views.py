@@ -155,6 +155,8 @@ def exhibits(reports: Reports) -> list[dict[str, Any]]:
     found = read_table(OUT, "numbers")
     return [
         {"name": each.name, "call": each.call, "says": each.says,
+         "case": f"examples/cases/{each.name}.toml",
+         "has_case": (reports.root / "examples" / "cases" / f"{each.name}.toml").exists(),
          "rows": select(found, scene=each.name)}
         for each in EXHIBITS
     ]  # fmt: skip
