@@ -9,9 +9,10 @@
     manifest.txt     which of the files here are the run's
     .sphsolid-lock   while a run writes here (see ``folder_lock``)
 
-A record is written in the order row, frame, collection, VTKHDF, checkpoint.  A row is appended by one
-system call, every other file takes its place when it is complete, and the collection names a frame
-only when that is there: at any moment everything can be read.  What is newer than the checkpoint,
+A record is written in the order row, frame, collection, VTKHDF, checkpoint.  A row is appended by
+one system call, the collection names a frame only when that is there, the one file of all records
+grows as ``vtkhdf`` says, and every other file takes its place when it is complete: at any moment
+everything can be read.  What is newer than the checkpoint,
 a row and a frame at most if every record makes one, a resumed run makes again.
 """
 

@@ -217,6 +217,8 @@ def _array(group: Any, name: str, shape: tuple[int, ...], kind: Any) -> Any:
     layout.set_layout(h5py.h5d.CONTIGUOUS)
     layout.set_alloc_time(h5py.h5d.ALLOC_TIME_EARLY)
     layout.set_fill_time(h5py.h5d.FILL_TIME_NEVER)
+    # The same run gives the same bytes.
+    layout.set_obj_track_times(False)
     space = h5py.h5s.create_simple(shape)
     made = h5py.h5d.create(
         group.id, name.encode(), h5py.h5t.py_create(np.dtype(kind)), space, dcpl=layout

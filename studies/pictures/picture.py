@@ -17,8 +17,8 @@ from matplotlib.figure import Figure
 
 from sphsolid.look.colours import ColourRange, limits
 from sphsolid.look.frame import Absent, Frame, HasDiverged, Kept, Shot
-from sphsolid.look.scalars import CELL
 from sphsolid.look.panels import PAGE, SIDE, SURFACE, WHOLE, Layout, panel_figure
+from sphsolid.look.scalars import CELL
 from sphsolid.look.surface import FINEST, Surface, seen_faces
 from sphsolid.look.view import Around, View
 from studies.engine.results import Results, Tables

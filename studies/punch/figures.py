@@ -12,8 +12,8 @@ from matplotlib.figure import Figure
 
 from sphsolid.look.colours import ColourRange
 from sphsolid.look.frame import Absent
-from sphsolid.look.scalars import CELL
 from sphsolid.look.panels import Layout
+from sphsolid.look.scalars import CELL
 from sphsolid.look.view import flat_view
 from studies.engine.plotting import outside_legend, panels
 from studies.engine.results import Results, Tables
