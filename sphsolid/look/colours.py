@@ -43,9 +43,9 @@ LOOKS = _POINTS | {
     CELL + name: replace(look, name=f"{look.name},\ncell means") for name, look in _POINTS.items()
 }
 _VECTORS = {
-    "u": ("displacement", "m"), "v": ("velocity", "m/s"), "p": ("momentum", "kg/(m²s)"),
+    "u": ("displace-\nment", "m"), "v": ("velocity", "m/s"), "p": ("momentum", "kg/(m²s)"),
 }  # fmt: skip
-_TENSORS = {"cauchy": ("Cauchy stress", "Pa"), "P": ("first Piola\nstress", "Pa"), "F": ("F", "")}
+_TENSORS = {"cauchy": ("Cauchy\nstress", "Pa"), "P": ("first Piola\nstress", "Pa"), "F": ("F", "")}
 _ROUND = (1.0, 1.2, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0)
 _PREFIX = ((1e9, "G"), (1e6, "M"), (1e3, "k"), (0.0, ""))
 _ARROWS = {(False, False): "neither", (True, False): "min", (False, True): "max"}

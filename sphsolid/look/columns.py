@@ -51,12 +51,19 @@ def families(columns: Sequence[str]) -> list[tuple[str, list[str]]]:
     return list(found.items())
 
 
-def common_start(names: Sequence[str]) -> str:
-    """What all names begin with, up to an underscore; empty for one name."""
-    if len(names) < 2:
-        return ""
+def shortened(names: Sequence[str]) -> tuple[str, list[str]]:
+    """What all names share at their start and end, and what is left of each.
+
+    ``tip_u_x, tip_u_y`` give ``tip_u`` and ``x, y``; one name is shared whole.
+    """
     words = [name.split("_") for name in names]
-    shared = 0
-    while all(len(w) > shared + 1 and w[shared] == words[0][shared] for w in words):
-        shared += 1
-    return "_".join(words[0][:shared])
+    first = words[0]
+    if len(names) < 2:
+        return names[0], [""]
+    start = end = 0
+    while all(len(w) > start + 1 and w[start] == first[start] for w in words):
+        start += 1
+    while all(len(w) > start + end + 1 and w[-1 - end] == first[-1 - end] for w in words):
+        end += 1
+    shared = [*first[:start], *first[len(first) - end :]]
+    return "_".join(shared), ["_".join(w[start : len(w) - end]) for w in words]

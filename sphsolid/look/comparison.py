@@ -90,10 +90,18 @@ def _labels(runs: Sequence[Run], labels: Sequence[str]) -> list[str]:
         len(labels) in (0, len(runs)),
         f"compare: {len(labels)} labels for {len(runs)} runs; give one for each, or none",
     )
-    names = list(labels) or [run.label for run in runs]
+    names = list(labels) or _without_scene([run.label for run in runs])
     return [
         name if names.count(name) == 1 else f"{name} ({k + 1})" for k, name in enumerate(names)
     ]
+
+
+def _without_scene(names: Sequence[str]) -> list[str]:
+    """Names of simulations begin with their scene: left out where it is the same."""
+    low, high = min(names), max(names)
+    cut = next((k for k, (a, b) in enumerate(zip(low, high, strict=False)) if a != b), 0)
+    has_end = cut and all(name[cut] in "-_" for name in names if len(name) > cut)
+    return [name[cut + 1 :] for name in names] if has_end else list(names)
 
 
 def _folded_over(name: str, width: int = 26) -> str:

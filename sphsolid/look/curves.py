@@ -8,13 +8,13 @@ from typing import Any
 import numpy as np
 
 from sphsolid.errors import require
-from sphsolid.look.columns import chosen, common_start, families, split
+from sphsolid.look.columns import chosen, families, shortened, split
 from sphsolid.look.drawing import Drawing
 from sphsolid.look.style import PALETTE, style
 
 _LINES = ("-", "--", ":", "-.")
 #: Inches of a panel.
-_WIDTH, _HEIGHT = 4.2, 2.6
+_WIDTH, _HEIGHT = 4.6, 2.6
 
 
 def plot_history(history: Any, columns: Sequence[str], *, against: str = "time [s]") -> Drawing:
@@ -34,16 +34,17 @@ def plot_history(history: Any, columns: Sequence[str], *, against: str = "time [
     with style():
         figure, axes = _panels(len(groups))
         for ax, (unit, group) in zip(axes, groups, strict=True):
-            shared = common_start([split(name)[0] for name in group])
-            for number, name in enumerate(group):
+            shared, rest = shortened([split(name)[0] for name in group])
+            for number, (name, short) in enumerate(zip(group, rest, strict=True)):
                 ax.plot(
-                    history[x], history[name], label=split(name)[0],
+                    history[x], history[name], label=short.replace("_", " "),
                     color=PALETTE[number % len(PALETTE)], marker=_marker(history[x]),
                     linestyle=_LINES[number // len(PALETTE) % len(_LINES)],
                 )  # fmt: skip
-            label(ax, x, shared if len(group) > 1 else split(group[0])[0], unit)
+            label(ax, x, shared, unit)
             if len(group) > 1:
-                ax.legend(loc="best")
+                # Beside the panel: it covers no curve there.
+                ax.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
     return figure
 
 
