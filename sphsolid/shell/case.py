@@ -53,11 +53,30 @@ class Case:
     method: dict[str, Any]
     run: RunTable
     values: dict[str, Any]
+    problems: Problems
 
     def simulation(self) -> Any:
-        """The simulation; raises ``InputError`` as its constructor does."""
+        """The simulation; raises ``InputError`` as its constructor does, with the line to blame."""
         kind = {"sph": sph, "fem": fem}[self.solver].Simulation
-        return kind(self.scene, spacing=self.spacing, **self.method)
+        try:
+            return kind(self.scene, spacing=self.spacing, **self.method)
+        except InputError as error:
+            self.problems.add(self._blamed(str(error)), str(error))
+            self.problems.raise_if_any()
+            raise
+
+    def _blamed(self, message: str) -> Place:
+        """Where the key stands that a message is about; nowhere if it names none."""
+        for table in ("constraints", "tractions"):
+            for k, each in enumerate(self.values.get(table, [])):
+                if f"tag {each['face']!r}" in message or f"on {each['face']}" in message:
+                    return (table, k, "face")
+        for key in self.method:
+            if f"{key} = " in message:
+                return ("method", key)
+        if "spacing = " in message and "spacing" in self.values:
+            return ("spacing",)
+        return ("body",) if "body" in self.values else ("scene",)
 
 
 @dataclass(frozen=True)
@@ -117,7 +136,7 @@ def case_of(
     problems.raise_if_any()
     assert scene is not MISSING
     assert run is not MISSING
-    return Case(name, scene, solver, spacing, method, run, values)
+    return Case(name, scene, solver, spacing, method, run, values, problems)
 
 
 def _set(values: dict[str, Any], setting: Setting, problems: Problems) -> None:

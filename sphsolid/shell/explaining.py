@@ -22,13 +22,14 @@ def explain(case: Case, *, timed: bool = True) -> str:
     simulation = case.simulation()
     lines = [simulation.plan(), "", "run"]
     step = simulation.stable_time_step()
-    steps = math.ceil(case.run.until / step)
-    records = math.ceil(case.run.until / case.run.every - 1e-9) + 1
+    gaps = max(1, math.ceil(case.run.until / case.run.every - 1e-9))
+    # Steps are shortened so that each record is the end of one.
+    steps = gaps * math.ceil(min(case.run.every, case.run.until) / step - 1e-9)
     names = ", ".join(type(each).__name__ for each in case.run.record)
     lines += [
-        f"  to           {case.run.until:.4g} s in about {steps} steps of {step:.4g} s, more as "
-        "the body is compressed",
-        f"  records      {records}, every {case.run.every:.4g} s: {names}",
+        f"  to           {case.run.until:.4g} s in about {steps} steps of at most {step:.4g} s, "
+        "more as the body is compressed",
+        f"  records      {gaps + 1}, every {case.run.every:.4g} s: {names}",
         f"  files        {case.run.folder}: history.csv"
         + "".join(f", {name}" for name, each in _files(case) if hasattr(each, "records")),
     ]

@@ -34,10 +34,13 @@ class Builder:
 
     def make(self, value: Any, place: Place, known: Named, what: str) -> Any:
         """The object that ``value`` stands for, one of ``known``; ``MISSING`` with a problem."""
+        of_name = place
         if isinstance(value, str):
             value = self._read(value, place)
             if value is MISSING:
                 return MISSING
+        else:
+            of_name = (*place, "type")
         if not isinstance(value, Mapping):
             self.problems.add(
                 place,
@@ -51,7 +54,7 @@ class Builder:
             return MISSING
         if name not in known:
             self.problems.add(
-                (*place, "type") if "type" in value else place,
+                of_name,
                 f"{name!r} is no {what}{nearest(name, known)}; known are {', '.join(known)}",
             )
             return MISSING
@@ -90,7 +93,9 @@ class Builder:
         try:
             return function(**arguments)
         except InputError as error:
-            self.problems.add(place, str(error))
+            # Messages name an argument with its value: that is where it stands.
+            blamed = [key for key in arguments if f"{key} = " in str(error)]
+            self.problems.add((*place, blamed[0]) if blamed else place, str(error))
         except (TypeError, ValueError, AttributeError, IndexError) as error:
             self.problems.add(place, f"{name}: {error}")
         return MISSING
