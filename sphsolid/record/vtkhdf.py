@@ -4,10 +4,12 @@ The mesh stands in the file once.  Positions and fields of all records follow ea
 with one part a record, and ``Steps`` says where each record begins.
 
 A kill at any moment leaves it readable.  The arrays have room for records that are still to come,
-so a record changes no structure of the file: its values are written into their places first, and
-the number of records, eight bytes, last.  When the room is full the file is copied to one with
-twice the room, which takes its place when it is complete; at the end of a run what was not used is
-cut off.  Room that is not used takes no space on a disk that knows sparse files.
+so a record moves nothing in the file: its values are written into their places first, then the
+number of records, then the length of the list of times, each by one write of a few bytes.  The
+list comes last because VTK reads all of it into room for so many records; a kill between the two
+leaves the last record there with a time of zero.  When the room is full the file is copied to one
+with twice the room, which takes its place when it is complete; at the end of a run what was not
+used is cut off.  Room that is not used takes no space on a disk that knows sparse files.
 
 HDF5 is used through h5py, without its locks: a reader never stops the run.
 """
@@ -85,15 +87,17 @@ class VtkHdfFile:
             with atomic(self._path) as part, _opened(part, "w") as file:
                 _create(file, _Body.of(snapshot), self._room)
                 _write(file, snapshot, 0)
-                file[f"{GROUP}/Steps"].attrs["NSteps"] = np.int64(1)
+                _say_count(file, 1)
+                _list_time(file, 0, snapshot.time)
         else:
             if self._count == self._room:
                 self._resize(2 * self._room)
             with _opened(self._path, "r+") as file:
                 _write(file, snapshot, self._count)
                 file.flush()
-                # In its place: a new attribute would change the structure of the file.
-                file[f"{GROUP}/Steps"].attrs.get_id("NSteps").write(np.array(self._count + 1))
+                _say_count(file, self._count + 1)
+                file.flush()
+                _list_time(file, self._count, snapshot.time)
         self._count += 1
 
     def close(self) -> None:
@@ -121,7 +125,7 @@ def steps_of(path: Path) -> list[tuple[float, int]]:
     """Times [s] and steps of the records of a file."""
     with _opened(path, "r") as file:
         steps = file[f"{GROUP}/Steps"]
-        count = int(steps.attrs["NSteps"])
+        count = min(int(steps.attrs["NSteps"]), len(steps["Values"]))
         times, numbers = steps["Values"][:count], file["sphsolid/step"][:count]
     return list(zip(times.tolist(), numbers.tolist(), strict=True))
 
@@ -184,7 +188,9 @@ def _create(file: Any, body: _Body, room: int) -> None:
     _say(_array(root, "Points", (room * N, 3), np.float64), "m", "x, positions now")
     steps = root.create_group("Steps")
     steps.attrs["NSteps"] = np.int64(0)
-    _say(_array(steps, "Values", (room,), np.float64), "s", "times of the records")
+    # In one piece of the file, so that a longer list is another number in one place.
+    steps.create_dataset("Values", (1,), np.float64, maxshape=(None,), chunks=(room,))
+    _say(steps["Values"], "s", "times of the records")
     # The same part of the mesh for every record, other points for each.
     for name, shape in (
         ("PartOffsets", (room,)), ("CellOffsets", (room, 1)), ("ConnectivityIdOffsets", (room, 1)),
@@ -242,8 +248,20 @@ def _write(file: Any, snapshot: Snapshot, record: int) -> None:
         with np.errstate(over="ignore"):
             single = values.astype(np.float32)
         _put(root[f"{group}/{each.name}"], single, record)
-    root["Steps/Values"][record] = snapshot.time
     file["sphsolid/step"][record] = snapshot.step
+
+
+def _say_count(file: Any, records: int) -> None:
+    """In the place of the number before: a new attribute would change the structure."""
+    file[f"{GROUP}/Steps"].attrs.get_id("NSteps").write(np.array(records, dtype=np.int64))
+
+
+def _list_time(file: Any, record: int, time: float) -> None:
+    """The list of times grows by one."""
+    times = file[f"{GROUP}/Steps/Values"]
+    if len(times) < record + 1:
+        times.resize((record + 1,))
+    times[record] = time
 
 
 def _put(array: Any, values: NDArray[Any], record: int) -> None:
@@ -259,11 +277,13 @@ def _copy(old: Any, new: Any, *, records: int, room: int) -> None:
     for each in (*AT_POINTS, *OF_LAW):
         group, rows = body.place(each.name)
         arrays.append((f"{GROUP}/{group}/{each.name}", rows))
-    for name, rows in [*arrays, (f"{GROUP}/Steps/Values", 1), ("sphsolid/step", 1)]:
+    for name, rows in [*arrays, ("sphsolid/step", 1)]:
         for record in range(records):
             part = slice(record * rows, (record + 1) * rows)
             new[name][part] = old[name][part]
-    new[f"{GROUP}/Steps"].attrs["NSteps"] = np.int64(records)
+    for record, time in enumerate(old[f"{GROUP}/Steps/Values"][:records].tolist()):
+        _list_time(new, record, time)
+    _say_count(new, records)
 
 
 def expected_records(start: float, until: float, every: float | None, *, already: int) -> int:
