@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import subprocess
 import sys
+import time
 from pathlib import Path
 from typing import Any
 
@@ -235,3 +236,42 @@ def test_records_that_are_foreseen():
     assert expected_records(0.0, 1.0, None, already=0) == 2
     assert expected_records(0.0, 1.0, 0.1, already=0) >= 11
     assert expected_records(0.5, 1.0, 0.1, already=6) >= 11
+
+
+KILLED = """
+import sys
+from pathlib import Path
+from sphsolid.record.vtkhdf import VtkHdfFile
+sys.path.insert(0, sys.argv[2])
+from tests.unit.record.conftest import FakeSolver
+solver = FakeSolver()
+file = VtkHdfFile(Path(sys.argv[1]), expected=8)
+print("begun", flush=True)
+while True:
+    file.append(solver.snapshot())
+    solver.advance(0.1)
+"""
+
+
+def test_killed_processes_leave_files_that_can_be_read(tmp_path):
+    """At moments that nobody chose; each record's fields are of its time."""
+    root = Path(__file__).resolve().parents[3]
+    random = np.random.default_rng(0)
+    for k in range(3):
+        path = tmp_path / f"{k}.vtkhdf"
+        process = subprocess.Popen(
+            [sys.executable, "-c", KILLED, str(path), str(root)], stdout=subprocess.PIPE
+        )
+        assert process.stdout is not None
+        process.stdout.readline()
+        while not path.exists():
+            time.sleep(1e-3)
+        time.sleep(random.uniform(0.0, 0.5))
+        process.kill()
+        process.communicate()
+        found = steps_of(path)
+        assert [step for _, step in found] == list(range(len(found)))
+        grid, count, _ = read_by_vtk(path, len(found) - 1)
+        assert count - len(found) in (0, 1)
+        speed = arrays(grid.GetPointData())["velocity"]
+        np.testing.assert_array_equal(speed, np.float32(found[-1][0]))
