@@ -10,9 +10,11 @@ import numpy as np
 from sphsolid.errors import require
 from sphsolid.look.columns import chosen, families, shortened, split
 from sphsolid.look.drawing import Drawing
-from sphsolid.look.style import PALETTE, style
+from sphsolid.look.style import BLACK, BLUE, GREEN, ORANGE, PURPLE, SKY, VERMILION, style
 
 _LINES = ("-", "--", ":", "-.")
+#: Yellow is hard to see as a line.
+_COLOURS = (BLACK, ORANGE, SKY, GREEN, VERMILION, BLUE, PURPLE)
 #: Inches of a panel.
 _WIDTH, _HEIGHT = 4.6, 2.6
 
@@ -38,8 +40,8 @@ def plot_history(history: Any, columns: Sequence[str], *, against: str = "time [
             for number, (name, short) in enumerate(zip(group, rest, strict=True)):
                 ax.plot(
                     history[x], history[name], label=short.replace("_", " "),
-                    color=PALETTE[number % len(PALETTE)], marker=_marker(history[x]),
-                    linestyle=_LINES[number // len(PALETTE) % len(_LINES)],
+                    color=_COLOURS[number % len(_COLOURS)], marker=_marker(history[x]),
+                    linestyle=_LINES[number // len(_COLOURS) % len(_LINES)],
                 )  # fmt: skip
             label(ax, x, shared, unit)
             if len(group) > 1:
@@ -63,7 +65,7 @@ def overlay(
                 if column in history.table:
                     ax.plot(
                         history[against], history[column], label=run,
-                        color=PALETTE[(number + 1) % len(PALETTE)],
+                        color=_COLOURS[number % len(_COLOURS)],
                         linestyle=_LINES[number % len(_LINES)],
                         marker=_marker(history[against]),
                     )  # fmt: skip

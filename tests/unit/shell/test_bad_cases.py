@@ -105,8 +105,8 @@ BAD: dict[str, tuple[str, str, int | None]] = {
     ),
     "cfl": (change('integrator = "PositionVerlet"', "cfl = -1"), "cfl = -1", 33),
     "pair": (
-        change('integrator = "PositionVerlet"', 'formulation = "PFJ"\ndilatation = "FilteredDilatation"'),
-        "dilatation", None,
+        change('integrator = "PositionVerlet"', 'formulation = "PF"\ninitial_strain = "Given"'),
+        "states no initial|Given", None,
     ),
     "every": (change("every = 1e-3", "every = 0"), "must be positive", 36),
     "recorder": (change("Energy()", "Enrgy()"), "'Enrgy' is no recorder; did you mean", 37),
