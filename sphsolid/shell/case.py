@@ -40,6 +40,19 @@ TABLES = ("solver", "spacing", "scene", "body", "material", "constraints", "trac
 
 
 @dataclass(frozen=True)
+class Setting:
+    """``--set place=value``."""
+
+    place: Place
+    value: Any
+
+    @property
+    def name(self) -> str:
+        """``material.poisson_ratio``."""
+        return spelled(self.place)
+
+
+@dataclass(frozen=True)
 class Case:
     """What a file asks for: a scene, a solver with its keywords, and how to run it.
 
@@ -54,6 +67,8 @@ class Case:
     run: RunTable
     values: dict[str, Any]
     problems: Problems
+    text: str
+    settings: tuple[Setting, ...] = ()
 
     def simulation(self) -> Any:
         """The simulation; raises ``InputError`` as its constructor does, with the line to blame."""
@@ -77,19 +92,6 @@ class Case:
         if "spacing = " in message and "spacing" in self.values:
             return ("spacing",)
         return ("body",) if "body" in self.values else ("scene",)
-
-
-@dataclass(frozen=True)
-class Setting:
-    """``--set place=value``."""
-
-    place: Place
-    value: Any
-
-    @property
-    def name(self) -> str:
-        """``material.poisson_ratio``."""
-        return spelled(self.place)
 
 
 def read_case(path: str | Path, *, settings: Sequence[Setting] = ()) -> Case:
@@ -136,7 +138,7 @@ def case_of(
     problems.raise_if_any()
     assert scene is not MISSING
     assert run is not MISSING
-    return Case(name, scene, solver, spacing, method, run, values, problems)
+    return Case(name, scene, solver, spacing, method, run, values, problems, text, tuple(settings))
 
 
 def _set(values: dict[str, Any], setting: Setting, problems: Problems) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -21,8 +22,9 @@ from sphsolid.shell.workers import on_this_machine
 ROOT = Path(__file__).resolve().parents[2]
 CASES = ROOT / "examples" / "cases"
 SWEEP = (
-    "--set", "run.until=4e-3", "--set", "run.every=1e-3", "--set", "material.poisson_ratio=0.3,0.45",
-    "--set", "spacing=1,1/2", "--set", "solver=fem,sph", "--jobs", "1",
+    "--set", "run.until=4e-3", "--set", "run.every=1e-3",
+    "--set", "material.poisson_ratio=0.3,0.45", "--set", "spacing=1,1/2",
+    "--set", "solver=fem,sph", "--jobs", "1",
 )  # fmt: skip
 
 
@@ -46,6 +48,8 @@ def test_an_example_is_run_and_looked_at(name, spacing, tmp_path):
     assert read_run(folder)["status"] == "complete"
     assert len(read_history(folder / "history.csv").table) == 6
     assert {"frames.pvd", "run.vtkhdf", "checkpoint.npz"} <= {p.name for p in folder.iterdir()}
+
+    assert (folder / "case.toml").read_text().endswith(Path(case).read_text())
 
     again = sphsolid("run", case, *setting, "--quiet", folder=tmp_path)
     assert again.returncode == 2
@@ -74,7 +78,7 @@ def test_check_is_that_of_the_mesh(tmp_path):
     good = ROOT / "tests" / "data" / "meshes" / "prism_hex_1_41_text.msh"
     done = sphsolid("check", str(good), "--unit", "m", folder=tmp_path)
     assert done.returncode == 0, done.stderr
-    assert "hexahedra" in done.stdout
+    assert "12 of type hexahedron" in done.stdout
     bad = tmp_path / "bad.msh"
     bad.write_text("nothing")
     done = sphsolid("check", str(bad), folder=tmp_path)
@@ -174,3 +178,15 @@ def test_a_sweep_without_a_scheduler_or_settings_is_refused(tmp_path):
     )
     assert done.returncode == 0
     assert rows(tmp_path / "o")["status"].tolist() == ["complete", "refused"]
+
+
+def test_the_code_of_the_page_of_files_runs_as_it_stands(tmp_path):
+    page = (ROOT / "docs" / "files.md").read_text(encoding="utf-8")
+    [block] = re.findall(r"```python\n(.*?)```", page, re.DOTALL)
+    done = subprocess.run(
+        [sys.executable, "-c", block], cwd=tmp_path, capture_output=True, text=True, timeout=900,
+        env=os.environ | {"PYTHONPATH": str(ROOT), "NUMBA_NUM_THREADS": "1"},
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    for made in ("both/bodies.png", "both/table.csv", "particles/animation.gif", "J.png"):
+        assert (tmp_path / "out" / made).stat().st_size > 100

@@ -1,4 +1,4 @@
-"""Curves, pictures, comparisons and animations: of simulations and of folders, without a display."""
+"""Curves, pictures, comparisons and animations, of simulations and of folders."""
 
 from __future__ import annotations
 
@@ -156,7 +156,7 @@ def test_an_animation_has_all_frames(ran, tmp_path):
     with Image.open(made) as image:
         assert image.n_frames == made.pictures == 4
     assert made._repr_html_().startswith('<img src="data:image/gif;base64,')
-    with pytest.raises(InputError, match="does not end in .gif"):
+    with pytest.raises(InputError, match=r"does not end in \.gif"):
         sph.animate(ran["sph"].folder, path=tmp_path / "a.mp4")
 
 

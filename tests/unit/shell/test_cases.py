@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import inspect
+import re
 from pathlib import Path
 
 import numpy as np
@@ -15,8 +16,10 @@ from sphsolid.geometry import Box, MeshFile, Tagged
 from sphsolid.record import Energy, Every, Never, Probe
 from sphsolid.scenes import Scene, twisting_column
 from sphsolid.shell import main, read_case
+from sphsolid.shell.case import TABLES
 from sphsolid.shell.lines import key_lines, spelled
 from sphsolid.shell.names import BODIES, FEM, SCENES, SPH
+from sphsolid.shell.run_table import KEYS
 from sphsolid.shell.settings import one, parse, product
 
 ROOT = Path(__file__).resolve().parents[3]
@@ -178,3 +181,14 @@ def test_lines_of_keys():
     assert found[("l", 0, "m", 0, "h")] == 15
     assert found[("l", 1, "g")] == 17
     assert spelled(("l", 1, "g")) == "l[2].g"
+
+
+# ---------------------------------------------------------------------- the page
+def test_the_cases_of_the_page_are_cases(tmp_path):
+    page = (ROOT / "docs" / "shell.md").read_text(encoding="utf-8")
+    blocks = re.findall(r"```toml\n(.*?)```", page, re.DOTALL)
+    assert len(blocks) == 2
+    for block in blocks:
+        assert isinstance(case(block, tmp_path).scene, Scene)
+    for name in (*SPH, *FEM, *TABLES, *KEYS, *BODIES):
+        assert f"`{name}`" in page or f"[{name}]" in page, name
