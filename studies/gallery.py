@@ -20,16 +20,16 @@ from sphsolid import scenes
 from sphsolid.errors import InputError, require
 from sphsolid.geometry import MeshFile, Spacing
 from sphsolid.geometry.body import AS_MESHED
+from sphsolid.look.panels import Layout
+from sphsolid.look.view import View, angled_view, flat_view
 from sphsolid.record import Energy, Probe, Recorder
 from sphsolid.scenes import Scene
 from studies.engine.results import read_table, write_table
 from studies.engine.sources import ROOT
 from studies.measures.run import run
 from studies.methods import B_BAR, PACKAGE, Method
-from studies.pictures.panels import Layout
 from studies.pictures.picture import Panel, Percentile, Picture
 from studies.pictures.shots import SaveShots, ShotFolder
-from studies.pictures.view import View, angled_view, flat_view
 
 OUT = ROOT / "docs" / "gallery"
 METHODS = (PACKAGE, B_BAR)

@@ -24,7 +24,7 @@ PAGES = [
 #: ``python`` is run by ``verification/test_page_code.py``, ``py`` are fragments of a script that
 #: is run elsewhere, or that needs a machine which is not here.
 LANGUAGES = {"python", "py", "sh", "toml", "text", ""}
-FRAGMENTS = {"docs/how_to_add/study.md", "docs/clusters.md", "docs/how_to/looking.md"}
+FRAGMENTS = {"docs/how_to_add/study.md", "docs/clusters.md"}
 LONGEST_README = 110
 
 

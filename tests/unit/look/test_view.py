@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from sphsolid.errors import InputError
-from studies.pictures.view import Around, angled_view, flat_view
+from sphsolid.look.view import Around, angled_view, flat_view
 
 
 @pytest.mark.parametrize("view", [flat_view(), angled_view(), angled_view(up="z", azimuth=200.0)])

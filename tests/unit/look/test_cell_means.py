@@ -10,8 +10,8 @@ import pytest
 import fem_reference as fem
 import sphsolid as sph
 from sphsolid.errors import InputError
+from sphsolid.look.cell_means import cell_means_at_vertices, in_cells
 from sphsolid.scenes import twisting_column
-from studies.measures.places import cell_means_at_vertices, in_cells
 
 SCENE = twisting_column()
 SOLVERS = {

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from sphsolid.errors import InputError
-from studies.measures.percentiles import weighted_percentile
+from sphsolid.look.percentiles import weighted_percentile
 
 SHARES = (0.0, 1.0, 25.0, 50.0, 99.0, 100.0)
 

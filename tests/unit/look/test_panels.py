@@ -9,13 +9,13 @@ import numpy as np
 import pytest
 
 from sphsolid.errors import InputError
+from sphsolid.look.colours import limits
+from sphsolid.look.headings import headings, time_stamp
+from sphsolid.look.panels import SIDE, Layout, Sheet, panel_figure
+from sphsolid.look.surface import Surface
+from sphsolid.look.view import Around, flat_view
 from studies.engine.plotting import save_figure
-from studies.pictures.colours import limits
-from studies.pictures.headings import headings, time_stamp
-from studies.pictures.panels import SIDE, Layout, Sheet, panel_figure
 from studies.pictures.shots import Absent, HasDiverged
-from studies.pictures.surface import Surface
-from studies.pictures.view import Around, flat_view
 from tests.oracles.frames import box_shot, twisted
 
 COARSE = Surface(detail=1)

@@ -9,15 +9,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sphsolid.errors import InputError
-from sphsolid.record import judge_positions
+from sphsolid.look.scalars import CELL, SCALARS, values_at_vertices
+from sphsolid.record.positions import judge_positions
 from sphsolid.record.snapshot import Snapshot
-from studies.measures.places import cell_means_at_vertices
+from sphsolid.record.stored import StoredSnapshot
 
-#: Before the name of a field: its means over cells, carried to the vertices.
-CELL = "cell_"
-_FIELDS = ("pressure", "von_mises", "J")
 #: Fields that a run keeps: as the method has them, and as means over cells, alike for all solvers.
-KEPT = (*_FIELDS, *(CELL + name for name in _FIELDS))
+KEPT = (*SCALARS, *(CELL + name for name in SCALARS))
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,15 +82,16 @@ Kept = Shot | HasDiverged
 Frame = Kept | Absent
 
 
-def take_shot(snapshot: Snapshot, label: str) -> Shot:
+def take_shot(
+    snapshot: Snapshot | StoredSnapshot, label: str, *, fields: Sequence[str] = KEPT
+) -> Shot:
     """The frame of a snapshot of any solver, on hexahedra, tetrahedra or points."""
     facets = snapshot.mesh.boundary
     # A facet with two tags is still one.
     first = np.unique(np.sort(facets, axis=1), axis=0, return_index=True)[1]
     facets = facets[np.sort(first)]
     quads = facets if facets.shape[1] == 4 else facets[:, [0, 1, 2, 2]]
-    values = {name: snapshot.at_vertices(name) for name in _FIELDS}
-    values |= {CELL + name: cell_means_at_vertices(snapshot, name) for name in _FIELDS}
+    values = {name: values_at_vertices(snapshot, name) for name in fields}
     whole = Shot(
         label=label,
         time=float(snapshot.time),
@@ -102,4 +101,4 @@ def take_shot(snapshot: Snapshot, label: str) -> Shot:
         values={name: array.astype(np.float32) for name, array in values.items()},
         folded=judge_positions(snapshot).folded,
     )
-    return whole.only(np.ones(len(quads), dtype=bool), KEPT)
+    return whole.only(np.ones(len(quads), dtype=bool), fields)

@@ -16,9 +16,10 @@ from matplotlib.cm import ScalarMappable
 from matplotlib.colors import Normalize
 from matplotlib.ticker import FixedLocator, FuncFormatter
 
-from sphsolid.errors import InputError, require
-from studies.measures.percentiles import weighted_percentile
-from studies.pictures.frame import CELL, Frame, Shot
+from sphsolid.errors import require
+from sphsolid.look.frame import Frame, Shot
+from sphsolid.look.percentiles import weighted_percentile
+from sphsolid.look.scalars import CELL, scalar
 
 
 @dataclass(frozen=True)
@@ -41,9 +42,29 @@ _POINTS = {
 LOOKS = _POINTS | {
     CELL + name: replace(look, name=f"{look.name},\ncell means") for name, look in _POINTS.items()
 }
+_VECTORS = {
+    "u": ("displace-\nment", "m"), "v": ("velocity", "m/s"), "p": ("momentum", "kg/(m²s)"),
+}  # fmt: skip
+_TENSORS = {"cauchy": ("Cauchy\nstress", "Pa"), "P": ("first Piola\nstress", "Pa"), "F": ("F", "")}
 _ROUND = (1.0, 1.2, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0)
 _PREFIX = ((1e9, "G"), (1e6, "M"), (1e3, "k"), (0.0, ""))
 _ARROWS = {(False, False): "neither", (True, False): "min", (False, True): "max"}
+
+
+def look_of(field: str) -> FieldLook:
+    """How a field is shown; raises ``InputError`` for one that is none."""
+    if field in LOOKS:
+        return LOOKS[field]
+    name = field.removeprefix(CELL)
+    what = scalar(name)
+    if what.is_size:
+        label, unit = _VECTORS[what.base]
+        return FieldLook(f"{label}\n|{name}|", unit, "viridis", 0.0, diverging=False)
+    component = name.rpartition("_")[2]
+    label, unit = (_TENSORS if what.is_of_law else _VECTORS)[what.base]
+    middle = 1.0 if what.base == "F" and len(set(component)) == 1 else 0.0
+    suffix = ",\ncell means" if field.startswith(CELL) else ""
+    return FieldLook(f"{label} {component}{suffix}", unit, "RdBu_r", middle, diverging=True)
 
 
 @dataclass(frozen=True)
@@ -56,8 +77,7 @@ class ColourRange:
     beyond: tuple[bool, bool] = (False, False)
 
     def __post_init__(self) -> None:
-        if self.field not in LOOKS:
-            raise InputError(f"colours: field {self.field!r} is none of {', '.join(LOOKS)}")
+        look_of(self.field)
         require(
             bool(np.isfinite([self.low, self.high]).all()) and self.low < self.high,
             f"colours of {self.field}: the range {self.low} .. {self.high} is empty or not finite",
@@ -66,7 +86,7 @@ class ColourRange:
     @property
     def look(self) -> FieldLook:
         """Name, unit and colour map."""
-        return LOOKS[self.field]
+        return look_of(self.field)
 
     def scale(self) -> ScalarMappable:
         """Maps values [SI] to colours."""
@@ -77,7 +97,7 @@ class ColourRange:
         extend: Any = _ARROWS.get(self.beyond, "both")
         bar = figure.colorbar(self.scale(), cax=axes, extend=extend, extendfrac=0.04)
         factor, unit = 1.0, self.look.unit
-        if unit:
+        if unit == "Pa":
             size = max(abs(self.low), abs(self.high))
             factor, prefix = next((f or 1.0, p) for f, p in _PREFIX if size >= f)
             unit = prefix + unit
@@ -101,15 +121,13 @@ def limits(
     outside (0, 100] or when there is nothing to look at.
     """
     require(0.0 < percentile <= 100.0, f"limits: percentile = {percentile} is outside (0, 100]")
-    if field not in LOOKS:
-        raise InputError(f"colours: field {field!r} is none of {', '.join(LOOKS)}")
+    look = look_of(field)
     shots = [shot for shot in _flat(frames) if isinstance(shot, Shot)]
     pooled = np.concatenate([np.zeros(0), *(shot.value(field).astype(float) for shot in shots)])
     volume = np.concatenate([np.zeros(0), *(shot.V.astype(float) for shot in shots)])
     finite = np.isfinite(pooled)
     pooled, volume = pooled[finite], volume[finite]
     require(len(pooled) > 0, f"limits: no frame has a finite value of {field}")
-    look = LOOKS[field]
     ends = weighted_percentile(np.abs(pooled - look.middle), volume, [percentile])
     size = _round_up(float(ends[0]))
     low = look.middle - size if look.diverging else look.middle

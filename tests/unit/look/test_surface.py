@@ -12,9 +12,9 @@ from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 
 from sphsolid.errors import InputError
-from studies.pictures import surface
-from studies.pictures.surface import Surface, seen_faces
-from studies.pictures.view import Around, angled_view, flat_view
+from sphsolid.look import surface
+from sphsolid.look.surface import Surface, seen_faces
+from sphsolid.look.view import Around, angled_view, flat_view
 from tests.oracles.frames import box_shot, horseshoe, twisted
 
 PLAIN = Surface(lines=0.0, shading=0.0, detail=20000)

@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import chain
 
-from studies.pictures.frame import Frame
+from sphsolid.look.frame import Frame
 
 Grid = Sequence[Sequence[Frame]]
 

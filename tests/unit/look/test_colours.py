@@ -7,8 +7,8 @@ import pytest
 from matplotlib.figure import Figure
 
 from sphsolid.errors import InputError
-from studies.pictures.colours import LOOKS, ColourRange, limits
-from studies.pictures.frame import Absent
+from sphsolid.look.colours import LOOKS, ColourRange, limits
+from sphsolid.look.frame import Absent
 from tests.oracles.frames import box_shot
 
 

@@ -11,16 +11,15 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.figure import Figure
 
 from sphsolid.errors import require
-from studies.engine.plotting import style
-from studies.pictures.colours import ColourRange
-from studies.pictures.frame import Absent, Frame, Shot
-from studies.pictures.headings import Grid, headings, lines, time_stamp
-from studies.pictures.surface import Surface
-from studies.pictures.view import Around, View, Window, angled_view
+from sphsolid.look.colours import ColourRange
+from sphsolid.look.drawing import Drawing
+from sphsolid.look.frame import Absent, Frame, Shot
+from sphsolid.look.headings import Grid, headings, lines, time_stamp
+from sphsolid.look.style import style
+from sphsolid.look.surface import Surface
+from sphsolid.look.view import Around, View, Window, angled_view
 
 _TEXT = 9.0
 #: Height [inch] of a line of text, and what is left free around a panel and over its heading.
@@ -76,8 +75,7 @@ class Sheet:
         )
         w, h = window.width * per_metre, window.height * per_metre
         with style():
-            self.figure = Figure(figsize=(1.0, 1.0), dpi=layout.dpi)
-            FigureCanvasAgg(self.figure)
+            self.figure = Drawing(figsize=(1.0, 1.0), dpi=layout.dpi)
             # Headings beside tall rows turn with them: a row is at least as high as its heading.
             slot = max(h, self._widest(words.rows))
             pitch = max(w, self._widest([*words.columns, *words.panels])) + _PAD
@@ -181,11 +179,11 @@ def panel_figure(
     window: Around = WHOLE,
     drawing: Surface = SURFACE,
     layout: Layout = PAGE,
-) -> Figure:
+) -> Drawing:
     """Frames in rows and columns, ``grid[i][j]`` in row ``i``, column ``j``.
 
     Rows of methods over columns of times, or the other way round, get their headings at the
-    edges; any other grid gets a heading over each panel.  Save with ``plotting.save_figure``.
+    edges; any other grid gets a heading over each panel.  Save with ``figure.savefig``.
     Raises ``InputError`` for a grid that is empty or not rectangular, or has nothing to draw.
     """
     check_grid(grid)

@@ -11,12 +11,12 @@ from numpy.typing import NDArray
 
 from sphsolid.errors import InputError
 from sphsolid.geometry.integrals import cell_volumes_and_centroids
-from sphsolid.record import PointField, Snapshot
+from sphsolid.record.snapshot import HasFields, PointField
 
 Array = NDArray[np.float64]
 
 
-def in_cells(snapshot: Snapshot, name: str) -> PointField:
+def in_cells(snapshot: HasFields, name: str) -> PointField:
     """A field over the cells of the mesh: their centroids, volumes and values ``(C, ...)``.
 
     Of particles the mean of a cell's corners, of finite elements what the element has.  Raises
@@ -35,7 +35,7 @@ def in_cells(snapshot: Snapshot, name: str) -> PointField:
     return PointField(X, V, found.values)
 
 
-def cell_means_at_vertices(snapshot: Snapshot, name: str) -> Array:
+def cell_means_at_vertices(snapshot: HasFields, name: str) -> Array:
     """The same carried to the vertices ``(N,)``: means of the adjacent cells by volume."""
     found = in_cells(snapshot, name)
     cells = snapshot.mesh.cells

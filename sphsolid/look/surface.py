@@ -16,8 +16,8 @@ from matplotlib.collections import PolyCollection
 from numpy.typing import NDArray
 
 from sphsolid.errors import require
-from studies.pictures.frame import Shot
-from studies.pictures.view import View
+from sphsolid.look.frame import Shot
+from sphsolid.look.view import View
 
 Array = NDArray[np.float64]
 #: Towards the light, in picture coordinates (right, up, towards the viewer).
