@@ -4,6 +4,8 @@
 #   make quick                    the same in its short form     -> out/convergence-quick/
 #   make scenes                   the paper's other scenes and the stability study -> reports/
 #   make reports-status           which reports are older than the code
+#   make docs                     the site of docs/ -> docs/_build/html; warnings are errors
+#   make pictures                 the pictures of the tutorial and the gallery, by running them
 #   make test                     lint, types, tests: what CI runs
 PYTHON ?= python3
 VENV   := .venv
@@ -11,7 +13,7 @@ BIN    := $(VENV)/bin
 ARGS   ?=
 PIP    := $(BIN)/python -m pip install --quiet --disable-pip-version-check
 
-.PHONY: help convergence quick scenes reports-status test lint clean
+.PHONY: help convergence quick scenes reports-status docs pictures test lint clean
 
 help:
 	@sed -n 's/^#  *\(make .*\)/\1/p' Makefile
@@ -29,6 +31,14 @@ scenes: $(VENV)/.installed-report
 reports-status: $(VENV)/.installed-report
 	$(BIN)/python -m studies.engine.status
 
+docs: $(VENV)/.installed-dev
+	$(BIN)/python -m studies.readme_table
+	$(BIN)/sphinx-build -W --keep-going -b html docs docs/_build/html $(ARGS)
+
+pictures: $(VENV)/.installed-report
+	$(BIN)/python -m studies.pages.code docs/tutorial.md
+	$(BIN)/python -m studies.gallery $(ARGS)
+
 test: lint
 	$(BIN)/python -m pytest -m "not slow" --numprocesses auto --maxprocesses 4 --dist worksteal $(ARGS)
 
@@ -37,7 +47,7 @@ lint: $(VENV)/.installed-dev
 	$(BIN)/mypy
 
 clean:
-	rm -rf $(VENV) build dist out .pytest_cache .mypy_cache .ruff_cache
+	rm -rf $(VENV) build dist out docs/_build .pytest_cache .mypy_cache .ruff_cache
 	find . -name __pycache__ -type d -prune -exec rm -rf {} +
 
 # The stamps make an install happen again only when pyproject.toml changed.

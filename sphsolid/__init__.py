@@ -16,6 +16,7 @@ from sphsolid.cloud import (
 from sphsolid.continuum import MooneyRivlin, NeoHookean, check_law
 from sphsolid.errors import Diverged, FoldingWarning, InputError
 from sphsolid.geometry import MeshFile, PointCloud
+from sphsolid.look import animate, compare
 from sphsolid.recommendation import recommend
 from sphsolid.scheme import (
     PF,
@@ -102,6 +103,8 @@ __all__ = [
     "T1",
     "WendlandC2",
     "__version__",
+    "animate",
     "check_law",
+    "compare",
     "recommend",
 ]

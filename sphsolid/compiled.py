@@ -33,8 +33,11 @@ _NOT_COMPILED = (
     "sphsolid/continuum/check_law.py", "sphsolid/geometry/", "sphsolid/scenes/",
     "sphsolid/record/", "sphsolid/simulation.py", "sphsolid/defaults.py", "sphsolid/describe.py",
     "sphsolid/recommendation.py", "sphsolid/paths.py", "sphsolid/protocols.py", "sphsolid/run/",
-    "sphsolid/options.py", "sphsolid/sph_snapshot.py",
+    "sphsolid/options.py", "sphsolid/sph_snapshot.py", "sphsolid/look/", "sphsolid/shell/",
+    "sphsolid/__main__.py",
 )  # fmt: skip
+#: What shows results and what starts runs: they change no number.
+_NO_RESULT = ("sphsolid/look/", "sphsolid/shell/", "sphsolid/__main__.py")
 
 
 def _hash(skipped: tuple[str, ...]) -> str:
@@ -50,7 +53,7 @@ def _hash(skipped: tuple[str, ...]) -> str:
 
 def source_hash() -> str:
     """Hash of all sources that can change a result."""
-    return _hash(())
+    return _hash(_NO_RESULT)
 
 
 def kernel_hash() -> str:

@@ -8,28 +8,19 @@ first.  The same frames give the same bytes.
 from __future__ import annotations
 
 import argparse
-import io
 import sys
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
-
-import numpy as np
-from PIL import Image
 
 from sphsolid import scenes
 from sphsolid.errors import InputError, require
-from studies.engine.case import write_atomically
+from sphsolid.look.animation import write_gif
+from sphsolid.look.colours import LOOKS, limits
+from sphsolid.look.view import angled_view, flat_view
 from studies.measures.run import run
 from studies.methods import B_BAR, METHODS, PACKAGE, Method, method
-from studies.pictures.colours import LOOKS, ColourRange, limits
-from studies.pictures.panels import SURFACE, WHOLE, Layout, Sheet, check_grid, flat
-from studies.pictures.shots import CELL, Frame, SaveShots, Shot, ShotFolder
-from studies.pictures.surface import Surface
-from studies.pictures.view import Around, View, angled_view, flat_view
+from studies.pictures.shots import CELL, Frame, SaveShots, ShotFolder
 
-#: Small: a GIF is to be looked at in a browser.
-SMALL = Layout(width=4.0, height=4.5, dpi=95)
 _VIEWS = {
     "y-up": angled_view(up="y"),
     "z-up": angled_view(up="z"),
@@ -54,74 +45,6 @@ def film(
         if ran.diverged is not None:
             folder.save_diverged(each.name, each.name, ran.diverged)
         print(solver.summary(), flush=True)
-
-
-def write_gif(
-    frames: Sequence[Shot] | Sequence[Sequence[Frame]],
-    path: Path,
-    *,
-    colours: ColourRange,
-    view: View = _VIEWS["y-up"],
-    window: Around = WHOLE,
-    drawing: Surface = SURFACE,
-    layout: Layout = SMALL,
-    per_second: float = 10.0,
-    hold: float = 1.0,
-) -> Path:
-    """Write a GIF of ``frames`` in order; each a frame, or a row of them for several methods.
-
-    One scale, window and layout for all; the last picture stays ``hold`` [s], then it starts
-    again.  Pictures that are equal pixel by pixel are shown as one, for longer.  Raises
-    ``InputError`` when there is nothing to show.
-    """
-    require(len(frames) > 0, "write_gif: there are no frames")
-    require(
-        0.0 < per_second <= 50.0,
-        f"write_gif: per_second = {per_second} is outside (0, 50], what browsers show",
-    )
-    rows = [[frame] if isinstance(frame, Frame) else list(frame) for frame in frames]
-    check_grid(rows)
-    positions = [frame.x for frame in flat(rows) if isinstance(frame, Shot)]
-    sheet = Sheet(
-        rows[-1:], colours=colours, view=view, window=window.of(positions, view),
-        drawing=drawing, layout=layout,
-    )  # fmt: skip
-    palette = _palette(colours)
-    # No dithering: it would flicker, and not compress.
-    pictures = [
-        _picture(sheet, row).quantize(palette=palette, dither=Image.Dither.NONE) for row in rows
-    ]
-    durations = [round(1e3 / per_second)] * len(pictures)
-    durations[-1] += round(1e3 * hold)
-    buffer = io.BytesIO()
-    pictures[0].save(
-        buffer, format="GIF", save_all=True, append_images=pictures[1:], duration=durations,
-        loop=0, optimize=False,
-    )  # fmt: skip
-    write_atomically(path, buffer.getvalue())
-    return path
-
-
-def _picture(sheet: Sheet, row: Sequence[Frame]) -> Image.Image:
-    sheet.show([row])
-    canvas: Any = sheet.figure.canvas
-    canvas.draw()
-    return Image.fromarray(np.asarray(canvas.buffer_rgba())).convert("RGB")
-
-
-def _palette(colours: ColourRange) -> Image.Image:
-    """200 colours for all pictures: the bar's in four shades, and greys for text and lines.
-
-    Made from the colours and not from the pictures: the bar keeps its steps, white stays white.
-    """
-    values = np.linspace(colours.low, colours.high, 43)
-    bar = colours.scale().to_rgba(values)[:, :3]
-    shades = [shade * bar for shade in (1.0, 0.9, 0.78, 0.55)]
-    greys = np.repeat(np.linspace(0.0, 1.0, 28)[:, None], 3, axis=1)
-    entries = np.rint(255.0 * np.concatenate([*shades, greys])).astype(int)
-    palette = Image.new("P", (1, 1))
-    palette.putpalette(entries.ravel().tolist())
-    return palette
 
 
 def main(argv: Sequence[str] | None = None) -> int:

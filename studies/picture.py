@@ -14,12 +14,12 @@ import sys
 from pathlib import Path
 
 from sphsolid.errors import InputError
+from sphsolid.look.panels import Layout
 from sphsolid.scenes import twisting_column
 from studies.animation import film
 from studies.engine.sources import ROOT
 from studies.methods import B_BAR, PACKAGE
 from studies.pictures.frame_file import KeptFrames
-from studies.pictures.panels import Layout
 from studies.pictures.picture import Panel, Percentile, Picture, keep_frames
 from studies.pictures.shots import ShotFolder
 

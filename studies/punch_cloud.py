@@ -24,6 +24,9 @@ import sphsolid as sph
 from sphsolid.geometry import Body, HexMesh, PointCloud, Surface
 from sphsolid.geometry.body import AS_MESHED, Spacing
 from sphsolid.geometry.integrals import vertex_volumes
+from sphsolid.look.frame import Absent
+from sphsolid.look.panels import Layout
+from sphsolid.look.view import flat_view
 from sphsolid.record import Snapshot
 from sphsolid.record.recorders import Recorder
 from sphsolid.scenes import Scene, punch
@@ -36,11 +39,8 @@ from studies.measures.run import run
 from studies.measures.scattered_noise import REACH, scattered_noise
 from studies.measures.tables import select
 from studies.methods import PACKAGE, SUPG, UNSTABILISED, Method
-from studies.pictures.frame import Absent
-from studies.pictures.panels import Layout
 from studies.pictures.picture import Panel, Percentile, Picture, Plan, keeping
 from studies.pictures.shots import SaveShots, ShotFolder
-from studies.pictures.view import flat_view
 
 #: End of the runs and time between records [s].
 END, EVERY = 0.015, 5.0e-4

@@ -2,6 +2,7 @@
 
 from sphsolid.geometry.body import AsMeshed, Blocks, Body, Box, Region, Spacing, Tagged
 from sphsolid.geometry.check_mesh import MeshReport, check_mesh
+from sphsolid.geometry.holed_block import HoledBlock
 from sphsolid.geometry.mesh import GridMesh, HexMesh, Mesh, TetMesh
 from sphsolid.geometry.mesh_file import MeshFile
 from sphsolid.geometry.point_cloud import PointCloud, interior_lattice
@@ -15,6 +16,7 @@ __all__ = [
     "Box",
     "GridMesh",
     "HexMesh",
+    "HoledBlock",
     "Mesh",
     "MeshFile",
     "MeshReport",

@@ -11,9 +11,10 @@ from typing import Any
 
 import pandas as pd
 
-from sphsolid.errors import InputError
+from sphsolid.errors import InputError, nearest
 from sphsolid.paths import path_of
 from sphsolid.record.atomic import atomic
+from sphsolid.record.showing import look
 
 Row = dict[str, float]
 
@@ -35,7 +36,25 @@ class History:
         self.table.to_csv(target, index=False, float_format="%.17g", na_rep="nan")
 
     def __getitem__(self, column: str) -> Any:
+        if column not in self.table:
+            raise InputError(
+                f"the history has no column {column!r}{nearest(column, self.table.columns)}; it "
+                f"has {', '.join(map(repr, self.table.columns))}"
+            )
         return self.table[column].to_numpy()
+
+    def plot(self, *columns: str, against: str = "time [s]") -> Any:
+        """Curves of ``columns``, by default of all, as a figure that a notebook shows.
+
+        A column is named in full or by how it begins: ``plot("top_u")`` draws the three
+        displacements.  Columns of one unit share a panel; its axis has the unit.  Save it with
+        ``savefig("history.png")``.  Raises ``InputError`` for a column that is not there, and
+        where matplotlib is not installed.
+        """
+        return look().plot(self, columns, against)
+
+    def _repr_html_(self) -> str:
+        return str(self.table._repr_html_())
 
 
 def read_history(path: str | Path) -> History:

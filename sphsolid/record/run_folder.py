@@ -4,13 +4,15 @@
     history.csv      one row per record
     frames.pvd       all frames with their times: the file to open in ParaView
     frames/*.vtu     the body at its records
+    run.vtkhdf       the same in one file, with the mesh once (see ``vtkhdf``)
     checkpoint.npz   the complete state at a record, from which a run goes on bit for bit
     manifest.txt     which of the files here are the run's
     .sphsolid-lock   while a run writes here (see ``folder_lock``)
 
-A record is written in the order row, frame, collection, checkpoint.  A row is appended by one
-system call, every other file takes its place when it is complete, and the collection names a frame
-only when that is there: at any moment everything can be read.  What is newer than the checkpoint,
+A record is written in the order row, frame, collection, VTKHDF, checkpoint.  A row is appended by
+one system call, the collection names a frame only when that is there, the one file of all records
+grows as ``vtkhdf`` says, and every other file takes its place when it is complete: at any moment
+everything can be read.  What is newer than the checkpoint,
 a row and a frame at most if every record makes one, a resumed run makes again.
 """
 
@@ -34,10 +36,12 @@ from sphsolid.record.run_json import NAME as RUN
 from sphsolid.record.run_json import RunJson, earlier_run
 from sphsolid.record.snapshot import Snapshot
 from sphsolid.record.solver import Solver
+from sphsolid.record.vtkhdf import VtkHdfFile, expected_records
 from sphsolid.record.vtu import write_pvd, write_vtu
 
 HISTORY, PVD, CHECKPOINT = "history.csv", "frames.pvd", "checkpoint.npz"
-FIXED = [PVD, CHECKPOINT, HISTORY, RUN]
+VTKHDF = "run.vtkhdf"
+FIXED = [PVD, CHECKPOINT, HISTORY, VTKHDF, RUN]
 FRAMES = "frames"
 _FRAME = re.compile(FRAMES + r"/frame_(\d{6,})\.vtu")
 
@@ -48,8 +52,8 @@ class RunFolder:
 
     A folder that holds a run already is refused, unless ``replace`` says to remove that run's files
     (those on its manifest, nothing else) or ``resume`` to go on from its checkpoint; where there is
-    no run, both begin one.  ``frames`` and ``checkpoints`` say at which records these are made:
-    ``Every(records=5)``, ``Never()``.
+    no run, both begin one.  ``frames``, ``vtkhdf`` and ``checkpoints`` say at which records these
+    are made: ``Every(records=5)``, ``Never()``.
     """
 
     path: str | Path
@@ -57,6 +61,7 @@ class RunFolder:
     replace: bool = False
     resume: bool = False
     frames: Every | Never = EVERY_RECORD
+    vtkhdf: Every | Never = EVERY_RECORD
     checkpoints: Every | Never = EVERY_RECORD
 
     def __post_init__(self) -> None:
@@ -67,7 +72,7 @@ class RunFolder:
             f"RunFolder({str(self.path)!r}): replace removes the run that resume would go on with; "
             "ask for one of them",
         )
-        for name in ("frames", "checkpoints"):
+        for name in ("frames", "vtkhdf", "checkpoints"):
             value = getattr(self, name)
             require(
                 isinstance(value, Every | Never),
@@ -174,6 +179,15 @@ class _Writer:
             [name for name in sorted(manifest.names) if _FRAME.fullmatch(name) and name not in kept]
         )
         manifest.remove_parts()
+        times = [row["time [s]"] for row in rows]
+        self._hdf = VtkHdfFile(
+            folder / VTKHDF,
+            until_kept=times[-1] if times else None,
+            expected=expected_records(
+                times[-1] if times else self._solver.time, task.until, task.every,
+                already=len(times),
+            ),
+        )  # fmt: skip
         self._history = HistoryFile(manifest.add(HISTORY), keep=len(rows))
         self._run = RunJson(manifest.add(RUN), self._solver, task, earlier=earlier)
 
@@ -187,6 +201,9 @@ class _Writer:
             write_vtu(snapshot, self._manifest.add(name))
             self._frames.append((snapshot.time, name))
             write_pvd(self._frames, self._manifest.add(PVD))
+        if self._options.vtkhdf.due(index, last=last):
+            self._manifest.add(VTKHDF)
+            self._hdf.append(snapshot)
         if self._options.checkpoints.due(index, last=last):
             write_checkpoint(
                 self._solver,
@@ -199,6 +216,7 @@ class _Writer:
         """Say how the run ended."""
         try:
             self._history.close()
+            self._hdf.close()
             self._run.end(failure, records=self._records)
         finally:
             self._lock.release()

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +18,7 @@ from sphsolid.record.placement import (
     NoSecondaryGradient,
     SecondaryGradient,
 )
+from sphsolid.record.showing import look
 
 Array = NDArray[np.float64]
 
@@ -152,14 +153,53 @@ class Snapshot:
 
     def at_vertices(self, name: str) -> Array:
         """A field at the primary points ``(N, ...)``; cell values are averaged by volume."""
-        found = self.field(name)
-        if len(found.X) == len(self.X):
-            return found.values
-        cells = self.mesh.cells
-        total = np.zeros((len(self.X), *found.values.shape[1:]))
-        weight = np.zeros(len(self.X))
-        share = found.V.reshape(-1, *[1] * (found.values.ndim - 1)) * found.values
-        for corner in cells.T:
-            np.add.at(total, corner, share)
-            np.add.at(weight, corner, found.V)
-        return np.asarray(total / weight.reshape(-1, *[1] * (total.ndim - 1)))
+        return at_vertices(self, name)
+
+    def picture(self, field: str = "pressure", **options: Any) -> Any:
+        """The deformed body, coloured by ``field``: a figure that a notebook shows.
+
+        ``pressure`` [Pa] (positive in tension), ``von_mises`` [Pa], ``J``, the sizes ``u`` [m],
+        ``v`` [m/s], ``p`` [kg/(m^2 s)], or a component: ``u_x``, ``P_xy``, ``cauchy_zz``,
+        ``F_xx``.  Values are the method's own, carried to the vertices.  Options are ``up`` (the
+        axis that points up), ``view``, ``limits``, ``title`` and ``path``; see
+        :func:`sphsolid.look.pictures.picture_of`.  Raises ``InputError`` for an unknown field,
+        and where matplotlib is not installed.
+        """
+        return look().picture(self, field, options)
+
+    def _repr_png_(self) -> Any:
+        if not look().can_draw:
+            return None
+        return self.picture()._repr_png_()
+
+
+class HasFields(Protocol):
+    """A snapshot, of a run or of its files."""
+
+    @property
+    def mesh(self) -> Mesh:
+        """The undeformed mesh."""
+        ...
+
+    @property
+    def X(self) -> Array:
+        """Its vertices ``(N, 3)`` [m]."""
+        ...
+
+    def field(self, name: str) -> PointField:
+        """A field and its points."""
+        ...
+
+
+def at_vertices(snapshot: HasFields, name: str) -> Array:
+    """A field at the primary points ``(N, ...)``; cell values are averaged by volume."""
+    found = snapshot.field(name)
+    if len(found.X) == len(snapshot.X):
+        return found.values
+    total = np.zeros((len(snapshot.X), *found.values.shape[1:]))
+    weight = np.zeros(len(snapshot.X))
+    share = found.V.reshape(-1, *[1] * (found.values.ndim - 1)) * found.values
+    for corner in snapshot.mesh.cells.T:
+        np.add.at(total, corner, share)
+        np.add.at(weight, corner, found.V)
+    return np.asarray(total / weight.reshape(-1, *[1] * (total.ndim - 1)))

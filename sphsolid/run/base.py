@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from sphsolid.errors import Diverged
 from sphsolid.geometry.mesh import Mesh, protected
 from sphsolid.record.budget import total_momentum
 from sphsolid.record.checkpoint import BUDGET, checkpoint_of, common_identity, rebuilt, restore
@@ -50,6 +51,8 @@ class BaseSimulation(ABC):
         self.positions = PositionWatch(every=look_every)
         self.time = 0.0
         self.step = 0
+        #: Of the last ``run``; without rows before the first.
+        self.history = History.of([])
         self._budget: RunningBudget | NotOpened = NotOpened()
         self._seconds_before = 0.0
         self._running_since: float | None = None
@@ -136,9 +139,13 @@ class BaseSimulation(ABC):
         """Advance to ``until`` [s] and record every ``every`` [s]; see ``record.march``."""
         self._running_since = clock.perf_counter()
         try:
-            return march(
+            self.history = march(
                 self, until=until, every=every, record=record, progress=progress, output=output
             )
+            return self.history
+        except (Diverged, KeyboardInterrupt) as stopped:
+            self.history = getattr(stopped, "history", self.history)
+            raise
         finally:
             self._seconds_before = self.run_seconds
             self._running_since = None

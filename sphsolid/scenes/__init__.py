@@ -1,6 +1,6 @@
 """Problem statements: one benchmark a file, read by both solvers."""
 
-from sphsolid.geometry import Blocks, Box, Region, Tagged
+from sphsolid.geometry import Blocks, Box, HoledBlock, Region, Tagged
 from sphsolid.scenes.bending_column import bending_column
 from sphsolid.scenes.cable import Pulse, Step, cable
 from sphsolid.scenes.constraint import Constraint, Fixed
@@ -19,6 +19,7 @@ __all__ = [
     "Fixed",
     "FromGeometry",
     "HeldVelocity",
+    "HoledBlock",
     "InitialVelocity",
     "NoBodyForce",
     "NoExactSolution",

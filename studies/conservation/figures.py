@@ -11,6 +11,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import FixedLocator, NullLocator
 
+from sphsolid.look.frame import Absent
+from sphsolid.look.view import Around, angled_view
 from studies.conservation.claims import ROUND_OFF
 from studies.conservation.runs import END, LOAD_ENDS, SHOT_TIMES, block_key
 from studies.engine.plotting import (
@@ -27,9 +29,7 @@ from studies.engine.plotting import (
 from studies.engine.results import Results, Tables
 from studies.measures.tables import select
 from studies.methods import B_BAR, PACKAGE, PAPER, SUPG
-from studies.pictures.frame import Absent
 from studies.pictures.picture import Panel, Percentile, Picture, Plan
-from studies.pictures.view import Around, angled_view
 
 #: The paper's operator as printed is dashed, the consistent one is not.
 PRINTED, CONSISTENT = "paper, {p,F}, H6, Literal", "paper, {p,F}, H6, Consistent"

@@ -8,13 +8,11 @@ styles say the same again.
 from __future__ import annotations
 
 import io
-from collections.abc import Iterable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
@@ -23,40 +21,23 @@ from matplotlib.ticker import FixedLocator, NullFormatter, NullLocator
 from numpy.typing import NDArray
 from PIL import Image
 
-BLACK, ORANGE, SKY, GREEN, YELLOW, BLUE, VERMILION, PURPLE = PALETTE = (
-    "#000000", "#E69F00", "#56B4E9", "#009E73", "#F0E442", "#0072B2", "#D55E00", "#CC79A7",
+from sphsolid.look.style import (
+    BLACK,
+    BLUE,
+    GREEN,
+    ORANGE,
+    PALETTE,
+    PURPLE,
+    SKY,
+    VERMILION,
+    YELLOW,
+    style,
 )  # fmt: skip
 
-# Any: which names matplotlib's types allow differs between its versions.
-_STYLE: dict[Any, Any] = {
-    "font.size": 9.0,
-    "font.family": "DejaVu Sans",
-    "axes.titlesize": 9.5,
-    "axes.labelsize": 9.0,
-    "axes.linewidth": 0.7,
-    "axes.grid": True,
-    "axes.axisbelow": True,
-    "axes.spines.top": False,
-    "axes.spines.right": False,
-    "grid.linewidth": 0.4,
-    "grid.color": "#dddddd",
-    "legend.fontsize": 8.0,
-    "legend.frameon": False,
-    "lines.linewidth": 1.3,
-    "lines.markersize": 4.8,
-    "xtick.labelsize": 8.0,
-    "ytick.labelsize": 8.0,
-    "pdf.fonttype": 42,
-    "svg.hashsalt": "sphsolid",
-}
-
-
-@contextmanager
-def style() -> Iterator[None]:
-    """The shared style; the front makes every report inside it."""
-    with mpl.rc_context(_STYLE):
-        yield
-
+__all__ = [
+    "BLACK", "BLUE", "GREEN", "ORANGE", "PALETTE", "PURPLE", "SKY", "VERMILION", "YELLOW", "Curve",
+    "convergence_panel", "outside_legend", "panels", "save_figure", "style",
+]  # fmt: skip
 
 def panels(
     rows: int, columns: int, *, width: float = 3.0, height: float = 2.9

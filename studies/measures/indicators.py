@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 
 from sphsolid.geometry.cell_shape import CORNERS
 from sphsolid.geometry.mesh import HexMesh, hexahedra
+from sphsolid.look.percentiles import weighted_percentile
 from sphsolid.record import Snapshot
-from studies.measures.percentiles import weighted_percentile
 
 #: Noise that counts as smooth (a sine of ten spacings has 0.1) and as fluctuating, and the largest
 #: share of a fluctuation that may be left where a term removes it: the same in every study.

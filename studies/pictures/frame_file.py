@@ -18,8 +18,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sphsolid.errors import InputError, require
+from sphsolid.look.frame import HasDiverged, Kept, Shot
 from studies.engine.case import write_atomically
-from studies.pictures.frame import HasDiverged, Kept, Shot
 
 _FORMAT = 3
 

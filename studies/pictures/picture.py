@@ -15,14 +15,15 @@ from pathlib import Path
 import numpy as np
 from matplotlib.figure import Figure
 
+from sphsolid.look.colours import ColourRange, limits
+from sphsolid.look.frame import Absent, Frame, HasDiverged, Kept, Shot
+from sphsolid.look.panels import PAGE, SIDE, SURFACE, WHOLE, Layout, panel_figure
+from sphsolid.look.scalars import CELL
+from sphsolid.look.surface import FINEST, Surface, seen_faces
+from sphsolid.look.view import Around, View
 from studies.engine.results import Results, Tables
-from studies.pictures.colours import ColourRange, limits
-from studies.pictures.frame import CELL, Absent, Frame, HasDiverged, Kept, Shot
 from studies.pictures.frame_file import KeptFrames, write_frames
-from studies.pictures.panels import PAGE, SIDE, SURFACE, WHOLE, Layout, panel_figure
 from studies.pictures.shots import ShotFolder
-from studies.pictures.surface import FINEST, Surface, seen_faces
-from studies.pictures.view import Around, View
 
 #: The file beside the tables.
 FRAMES = "frames.npz"

@@ -15,9 +15,10 @@ from pathlib import Path
 import numpy as np
 
 from sphsolid.errors import Diverged, require
+from sphsolid.look.frame import KEPT, Absent, Frame, HasDiverged, Kept, Shot, take_shot
+from sphsolid.look.scalars import CELL
 from sphsolid.record.snapshot import Snapshot
 from sphsolid.scenes.scene import Scene
-from studies.pictures.frame import CELL, KEPT, Absent, Frame, HasDiverged, Kept, Shot, take_shot
 from studies.pictures.frame_file import find, read_frames, write_frames
 
 __all__ = [

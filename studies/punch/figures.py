@@ -10,15 +10,16 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from sphsolid.look.colours import ColourRange
+from sphsolid.look.frame import Absent
+from sphsolid.look.panels import Layout
+from sphsolid.look.scalars import CELL
+from sphsolid.look.view import flat_view
 from studies.engine.plotting import outside_legend, panels
 from studies.engine.results import Results, Tables
 from studies.measures.tables import select
 from studies.methods import B_BAR, PACKAGE, SUPG, Method
-from studies.pictures.colours import ColourRange
-from studies.pictures.frame import CELL, Absent
-from studies.pictures.panels import Layout
 from studies.pictures.picture import Panel, Picture, Plan
-from studies.pictures.view import flat_view
 from studies.punch.claims import INDEPENDENT, TOLERANCE
 from studies.punch.runs import (
     CLASSICAL,

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import RegularGridInterpolator
 
-from studies.measures.percentiles import weighted_percentile
+from sphsolid.look.percentiles import weighted_percentile
 
 Array = NDArray[np.float64]
 Row = dict[str, Any]

@@ -11,6 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import FixedLocator
 
+from sphsolid.look.panels import Layout
 from studies.engine.plotting import (
     BLACK,
     GREEN,
@@ -26,7 +27,6 @@ from studies.engine.plotting import (
 from studies.engine.results import Results, Tables
 from studies.measures.tables import select
 from studies.methods import Method
-from studies.pictures.panels import Layout
 from studies.pictures.picture import Panel, Percentile, Picture, Plan
 from studies.twisting_column import outside
 from studies.twisting_column.claims import residual_by_step

@@ -14,13 +14,13 @@ from numpy.typing import NDArray
 
 from sphsolid.defaults import default_cfl, default_integrator
 from sphsolid.errors import Diverged
+from sphsolid.look.cell_means import in_cells
+from sphsolid.look.percentiles import weighted_percentile
 from sphsolid.record import EnergyBudget, MomentumDrift, Positions, Reactions, Snapshot
 from sphsolid.record.recorders import Recorder
 from sphsolid.scenes import Scene, twisting_column
 from studies.measures import folding
 from studies.measures.indicators import pressure_noise, twist_of_top, whole_turns
-from studies.measures.percentiles import weighted_percentile
-from studies.measures.places import in_cells
 from studies.measures.run import run
 from studies.measures.setting import setting
 from studies.methods import B_BAR, Method

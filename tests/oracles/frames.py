@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from sphsolid.geometry.integrals import vertex_volumes
+from sphsolid.look.frame import KEPT, Shot
 from sphsolid.scenes import Box
-from studies.pictures.frame import KEPT, Shot
 
 
 def box_shot(

@@ -20,7 +20,7 @@ _PROBLEM = _PHYSICS | {"sphsolid.geometry", "sphsolid.scenes"}
 _SPH = _PROBLEM | {
     "sphsolid.record", "sphsolid.cloud", "sphsolid.scheme", "sphsolid.defaults",
     "sphsolid.describe", "sphsolid.recommendation", "sphsolid.options", "sphsolid.run",
-    "sphsolid.sph_snapshot", "sphsolid.simulation",
+    "sphsolid.sph_snapshot", "sphsolid.simulation", "sphsolid.look",
 }  # fmt: skip
 #: What each room may import besides itself.  A room that is not here is a new one: decide.
 ALLOWED: dict[str, set[str]] = {
@@ -46,9 +46,14 @@ ALLOWED: dict[str, set[str]] = {
         "sphsolid.record",
     },
     "sphsolid.sph_snapshot": _PROBLEM | {"sphsolid.scheme", "sphsolid.record"},
-    "sphsolid.describe": _SPH,
-    "sphsolid.simulation": _SPH,
+    "sphsolid.describe": _SPH - {"sphsolid.look"},
+    "sphsolid.simulation": _SPH - {"sphsolid.look"},
+    # Shows what was recorded, by either method; nothing but the user's doors knows it.
+    "sphsolid.look": _PROBLEM | {"sphsolid.record"},
     "sphsolid": _SPH,
+    # The command line: the one room of the package that knows both methods.
+    "sphsolid.shell": _SPH | {"sphsolid", "fem_reference"},
+    "sphsolid.__main__": {"sphsolid.shell"},
     "fem_reference": _PROBLEM | {"sphsolid.record", "sphsolid.run"},
     "studies": _SPH | {"sphsolid", "fem_reference"},
 }

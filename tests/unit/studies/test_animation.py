@@ -9,11 +9,11 @@ import pytest
 from PIL import Image
 
 from sphsolid.errors import InputError
+from sphsolid.look.colours import limits
+from sphsolid.look.panels import Layout
+from sphsolid.look.surface import Surface
 from studies.animation import main, write_gif
-from studies.pictures.colours import limits
-from studies.pictures.panels import Layout
 from studies.pictures.shots import HasDiverged, ShotFolder
-from studies.pictures.surface import Surface
 from tests.oracles.frames import box_shot, twisted
 
 LOOK = {"layout": Layout(width=2.5, height=2.5, dpi=60), "drawing": Surface(detail=1)}

@@ -12,10 +12,10 @@ import pytest
 import fem_reference as fem
 import sphsolid as sph
 from sphsolid.errors import FoldingWarning
+from sphsolid.look.frame import take_shot
 from sphsolid.scenes import twisting_column
 from studies.measures.folding import folding, has_folded, largest, sound
 from studies.measures.indicators import twist_of_top
-from studies.pictures.frame import take_shot
 
 RUNS = pd.DataFrame(
     {"survived": [True, True, True, False], "folded": [False, True, True, False],

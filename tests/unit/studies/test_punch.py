@@ -12,10 +12,10 @@ import pytest
 
 import sphsolid as sph
 from sphsolid.errors import InputError
+from sphsolid.look.frame import HasDiverged
 from studies.engine.claims import Claim
 from studies.engine.results import Results, Tables
 from studies.methods import B_BAR, PACKAGE, SUPG
-from studies.pictures.frame import HasDiverged
 from studies.pictures.shots import ShotFolder
 from studies.punch import STUDY, cases, runs
 from studies.punch.claims import claims

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from sphsolid.errors import Diverged, InputError
+from sphsolid.look.view import flat_view
 from sphsolid.record import Snapshot
 from sphsolid.scenes import Box, twisting_column
 from studies.engine.results import Results
@@ -16,7 +17,6 @@ from studies.pictures import frame_file
 from studies.pictures.frame_file import KeptFrames, read_frames, write_frames
 from studies.pictures.picture import FRAMES, Panel, Percentile, Picture, keeping
 from studies.pictures.shots import CELL, KEPT, Absent, HasDiverged, SaveShots, ShotFolder
-from studies.pictures.view import flat_view
 from tests.oracles.frames import box_shot, twisted
 
 MATERIAL = twisting_column().material

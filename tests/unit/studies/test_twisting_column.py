@@ -15,13 +15,13 @@ import pytest
 
 import fem_reference as fem
 import sphsolid as sph
+from sphsolid.look.percentiles import weighted_percentile
 from sphsolid.scenes import twisting_column as column_scene
 from studies import twisting_column as study
 from studies.engine.claims import NOT_EXAMINED, claims_table
 from studies.engine.results import Results, read_results
 from studies.engine.study import main
 from studies.measures.indicators import pressure_noise
-from studies.measures.percentiles import weighted_percentile
 from studies.twisting_column import outside, runs
 from studies.twisting_column.claims import claims
 from studies.twisting_column.compare import CLAMP, centres, difference, kink, nodes
