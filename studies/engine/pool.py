@@ -7,6 +7,7 @@ while workers are wanted, since the thread count is read when a process compiles
 
 from __future__ import annotations
 
+import hashlib
 import multiprocessing
 import os
 import signal
@@ -23,15 +24,33 @@ from concurrent.futures import (
     wait,
 )
 from concurrent.futures.process import BrokenProcessPool
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from typing import Protocol
 
-from studies.engine.case import Case, Outcome, execute
+import numba
+
+from sphsolid.compiled import CACHE_DIR
+from sphsolid.record.display import duration
+from studies.engine.case import Case, Outcome, case_hash, execute
+from studies.engine.provenance import cpu_model
 
 #: How often [s] a caller without news is told that time passes.
 TICK = 0.5
 Finished = Generator[tuple[Case, Outcome], None, None]
+
+
+class Watch:
+    """Is told what becomes of the cases; this one does nothing with it."""
+
+    def started(self, case: Case) -> None:
+        """A worker took the case."""
+
+    def tick(self) -> None:
+        """Time passed."""
+
+
+NOBODY = Watch()
 
 
 class Workers(Protocol):
@@ -42,14 +61,8 @@ class Workers(Protocol):
         """How many."""
         ...
 
-    def run(
-        self,
-        cases: Sequence[Case],
-        *,
-        started: Callable[[Case], None] = lambda case: None,
-        tick: Callable[[], None] = lambda: None,
-    ) -> Finished:
-        """Yield cases with their outcome as they finish; ``tick`` is called as time passes."""
+    def run(self, cases: Sequence[Case], watch: Watch = NOBODY) -> Finished:
+        """Yield cases with their outcome as they finish."""
         ...
 
 
@@ -71,13 +84,7 @@ class OnExecutor:
     death: type[Exception] = BrokenExecutor
     task: Callable[[Case], Outcome] = execute
 
-    def run(
-        self,
-        cases: Sequence[Case],
-        *,
-        started: Callable[[Case], None] = lambda case: None,
-        tick: Callable[[], None] = lambda: None,
-    ) -> Finished:
+    def run(self, cases: Sequence[Case], watch: Watch = NOBODY) -> Finished:
         """Yield cases with their outcome as they finish, begun in the given order."""
         waiting = deque(cases)
         running: dict[Future[Outcome], Case] = {}
@@ -85,10 +92,10 @@ class OnExecutor:
             while waiting or running:
                 while waiting and len(running) < self.at_once:
                     case = waiting.popleft()
-                    started(case)
+                    watch.started(case)
                     running[self.executor.submit(self.task, case)] = case
                 done, _ = wait(running, timeout=TICK, return_when=FIRST_COMPLETED)
-                tick()
+                watch.tick()
                 for future in done:
                     case = running.pop(future)
                     try:
@@ -114,13 +121,7 @@ class Processes:
     at_once: int
     threads: int = 1
 
-    def run(
-        self,
-        cases: Sequence[Case],
-        *,
-        started: Callable[[Case], None] = lambda case: None,
-        tick: Callable[[], None] = lambda: None,
-    ) -> Finished:
+    def run(self, cases: Sequence[Case], watch: Watch = NOBODY) -> Finished:
         """Yield cases with their outcome as they finish."""
         waiting = deque(cases)
         suspects: deque[Case] = deque()
@@ -133,14 +134,14 @@ class Processes:
                 while (queue or running) and not broken:
                     while queue and len(running) < (1 if alone else self.at_once):
                         case = queue.popleft()
-                        started(case)
+                        watch.started(case)
                         try:
                             running[pool.submit(execute, case)] = case
                         except BrokenProcessPool:
                             broken.append(case)
                             break
                     done, _ = wait(running, timeout=TICK, return_when=FIRST_COMPLETED)
-                    tick()
+                    watch.tick()
                     for future in done:
                         case = running.pop(future)
                         try:
@@ -215,3 +216,31 @@ def _follow_parent() -> None:
     while parent is not None and parent.is_alive():
         time.sleep(1.0)
     os._exit(1)
+
+
+def warm_up(cases: Sequence[Case], *, threads: int, say: Callable[[str], None]) -> None:
+    """Run tiny ``cases`` one after the other for what they compile; their rows are dropped.
+
+    Workers that start together would each compile the same kernels; afterwards all of them read
+    numba's disk cache.  What has been compiled is remembered by a file beside that cache, so only
+    the first run waits.  A case that fails here fails again, and visibly, in the study.
+    """
+    if not cases or CACHE_DIR is None:
+        return
+    parts = [numba.__version__, cpu_model(), str(threads > 1), *map(case_hash, cases)]
+    mark = CACHE_DIR / f"warm-{hashlib.sha256('|'.join(parts).encode()).hexdigest()[:16]}"
+    if mark.exists():
+        return
+    say("compiling kernels (first run only) ...")
+    start = time.perf_counter()
+    failed = [
+        outcome.key
+        for _, outcome in Processes(1, threads).run(cases)
+        if outcome.failed
+    ]
+    say(f"compiled in {duration(time.perf_counter() - start)}")
+    if not failed:
+        # Without a place to remember it, the next run of the study looks again.
+        with suppress(OSError):
+            mark.parent.mkdir(parents=True, exist_ok=True)
+            mark.touch()

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 
 from sphsolid.record.display import Display, duration
 from studies.engine.case import Case, Outcome
+from studies.engine.pool import Watch
 
 
 @dataclass
@@ -97,7 +98,7 @@ def _result(outcome: Outcome) -> str:
     return duration(outcome.wall_s)
 
 
-class Reporter:
+class Reporter(Watch):
     """Tells a display what becomes of the cases."""
 
     def __init__(self, cases: Sequence[Case], jobs: int, display: Display) -> None:

@@ -30,16 +30,15 @@ from sphsolid.paths import path_of
 from sphsolid.record.display import duration
 from studies.engine.case import Case, Outcome, Row, load, partial_path, store, write_atomically
 from studies.engine.claims import Claim, claims_table
+from studies.engine.document import write_pdf
 from studies.engine.plotting import save_figure, style
-from studies.engine.pool import Processes, Workers, longest_first
+from studies.engine.pool import Processes, Workers, longest_first, warm_up
 from studies.engine.progress import Reporter, reporter
 from studies.engine.provenance import cores, describe_run
 from studies.engine.results import Results, Tables, read_results, write_table
 from studies.engine.scheduler import on_cluster
 from studies.engine.sources import command_of, hash_of_sources
 from studies.engine.text import document
-from studies.engine.typeset import write_pdf
-from studies.engine.warm_up import warm_up
 
 __all__ = ["Case", "Claim", "Results", "Row", "Study", "Tables", "main", "parse", "run_study"]
 
@@ -230,7 +229,7 @@ def _work(
 ) -> dict[str, Outcome]:
     ordered = list(todo) if quick else longest_first(todo)
     outcomes = {}
-    with closing(workers.run(ordered, started=show.started, tick=show.tick)) as running:
+    with closing(workers.run(ordered, show)) as running:
         for case, outcome in running:
             store(partial_path(folder, case), outcome)
             outcomes[case.key] = outcome

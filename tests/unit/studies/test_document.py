@@ -19,13 +19,15 @@ from studies.engine.document import (
     Paragraph,
     Table,
     format_cell,
+    markup,
     pieces,
+    quote,
+    write_pdf,
 )
 from studies.engine.plotting import panels, save_figure
 from studies.engine.provenance import describe_run
 from studies.engine.results import Results
 from studies.engine.text import document
-from studies.engine.typeset import markup, quote, write_pdf
 
 HOSTILE = '#1 $x$ <a> * b _c_ @d \\e "f" [g] {h} ~ // = - + {p, F}, τ_F = Δt, ∇·P'
 FAILED = pd.DataFrame({"key": ["case 7"], "failure": ["Diverged"], "message": ["gone"]})
