@@ -1,8 +1,8 @@
 """A case: the unit of work of a study, and how one is run, stored and found again.
 
 The outcome of a case is kept in ``<out>/partial/<key>-<hash>.json``.  The hash covers the function,
-its arguments, the sources of both solvers and those of the study, so a study that was killed goes
-on where it stopped, and a changed source runs again.
+its arguments, the sources of both solvers and what the function reaches of those of the study.  So
+a study that was killed goes on where it stopped, and what a change can alter runs again.
 """
 
 from __future__ import annotations

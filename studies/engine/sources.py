@@ -18,6 +18,10 @@ from typing import Any
 
 ROOT = Path(__file__).resolve().parents[2]
 Definition = tuple[str, str]
+#: It runs cases and changes none of their rows.
+_ENGINE = "studies.engine"
+#: No part of a solver, and so of no hash of theirs; but rows hold percentiles that are taken there.
+_LOOK = "sphsolid.look"
 
 
 def real_name(module: str) -> str:
@@ -40,9 +44,9 @@ def command_of(module: str) -> str:
 def hash_of_sources(*made_by: Callable[..., Any] | type) -> str:
     """Hash of the text of functions and classes and of every definition that they reach.
 
-    Followed are names of the same package and of ``studies``; what lies beside a script is of its
-    package.  Docstrings, blank lines and the places of definitions do not count.  The engine
-    is left out: it runs cases and changes none of their rows.
+    Followed are names of the same package and of ``studies``, but not of its engine; what lies
+    beside a script is of its package.  Docstrings, blank lines and the places of definitions do not
+    count.
     """
     return _hash(tuple((real_name(m.__module__), m.__qualname__.split(".")[0]) for m in made_by))
 
@@ -55,8 +59,9 @@ def _hash(roots: tuple[Definition, ...]) -> str:
     waiting = list(roots)
     while waiting:
         one = waiting.pop()
-        module = _read(one[0]) if one[0].split(".")[0] in own else None
-        if module is None or one in seen or one[0].startswith("studies.engine"):
+        followed = one[0].split(".")[0] in own or one[0].startswith(_LOOK)
+        module = _read(one[0]) if followed and not one[0].startswith(_ENGINE) else None
+        if module is None or one in seen:
             continue
         seen.add(one)
         if one[1] in module.imported:

@@ -255,7 +255,7 @@ def words(tables: Tables) -> Mapping[str, Any]:
         "ratio_formats": {"nu": "g"} | {method.name: ".2f" for method in shown},
         "error_formats": {"nu": "g", "1/h": ".0f"} | {method.name: ".1e" for method in shown},
         "default": PACKAGE.name, "lattice": LATTICE[sph.LatticeDifference().order].name,
-        "stabilised": counts(tables["ratios_stabilised"]), "nus": POISSON, "asked": ASKED,
+        "stabilised": counts(tables["ratios_stabilised"]), "asked": ASKED,
         "equal": EQUAL, "certain": CERTAIN, "farthest": FARTHEST, "within": WITHIN,
         "same_cost": SAME_COST, "energy_made": ENERGY_MADE, "end": END,
         "gradient": LARGEST_GRADIENT, "known": known[even & (known["time [s]"] > 0.0)],
