@@ -97,9 +97,11 @@ class _Module:
             local |= _bound(node)
         if isinstance(node, ast.Name) and node.id not in local:
             yield self.name, node.id
-        elif isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name):
-            base, name = self.imported.get(node.value.id, ("", ""))
-            yield f"{base}.{name}".strip("."), node.attr
+        elif isinstance(node, ast.Attribute):
+            first, *others = ast.unparse(node).split(".")
+            if first in self.imported:
+                module = ".".join([*filter(None, self.imported[first]), *others[:-1]])
+                yield module, others[-1]
         for child in ast.iter_child_nodes(node):
             yield from self.used(child, local)
 
@@ -142,7 +144,9 @@ def _read(module: str) -> _Module | None:
                 base = f"{inside}.{base}".rstrip(".")
             imported |= {each.asname or each.name: (base, each.name) for each in node.names}
         elif isinstance(node, ast.Import):
-            imported |= {each.asname or each.name: (each.name, "") for each in node.names}
+            for each in node.names:
+                name = each.asname or each.name.split(".")[0]
+                imported[name] = (each.name if each.asname else name, "")
         else:
             for name in _names(node):
                 defined.setdefault(name, []).append(node)

@@ -196,8 +196,8 @@ SOURCES = {
     "other = 3\n",
     "my_package/near.py": "hidden = 1\nx = hidden\nunused = 2\n",
     "my_package/far.py": "def reached(x):\n    return x + 1\n\ndef not_reached():\n    return 2\n",
-    "my_script.py": "from my_beside import step\nfrom studies.engine.study import Case\n\n"
-    "def cases():\n    return step(), Case\n",
+    "my_script.py": "from my_beside import step\nimport my_package.near\n\n"
+    "def cases():\n    return step(), my_package.near.unused\n",
     "my_beside.py": "def step():\n    return 5\n",
 }
 
@@ -213,7 +213,8 @@ SOURCES = {
         ("my_package/study.py", "return other, cases()", "return 0", ""),
         # A name of the function itself is not that of the module.
         ("my_package/study.py", "other = 3", "other = 4", ""),
-        ("my_package/near.py", "unused = 2", "unused = 3", ""),
+        ("my_package/near.py", "unused = 2", "unused = 3", "my_script"),
+        ("my_package/near.py", "x = hidden", "x = hidden\nz = 4", ""),
         ("my_package/far.py", "return 2", "return 3", ""),
         ("my_package/far.py", "def reached", "\n# comment\n\ndef reached", ""),
     ],
