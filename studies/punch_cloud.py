@@ -34,9 +34,8 @@ from sphsolid.scenes.punch import HEIGHT, block
 from studies.engine.plotting import BLACK, BLUE, GREEN, SKY, VERMILION, outside_legend, panels
 from studies.engine.study import Case, Claim, Results, Row, Study, Tables, run_study
 from studies.measures import folding
-from studies.measures.indicators import pressure_noise, pressure_range
+from studies.measures.indicators import REACH, pressure_noise, pressure_range, scattered_noise
 from studies.measures.run import run
-from studies.measures.scattered_noise import REACH, scattered_noise
 from studies.measures.tables import select
 from studies.methods import PACKAGE, SUPG, UNSTABILISED, Method
 from studies.pictures.picture import Panel, Percentile, Picture, Plan, keeping

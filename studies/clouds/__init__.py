@@ -552,7 +552,6 @@ def words(tables: Tables) -> Mapping[str, Any]:
     varied = tables["levels"].drop(plain.index).drop(fits.index)
     effort = tables["setup"][["variant", "h", "neighbours", "change", "iterations", "setup_s"]]
     return {
-        "plain": plain,
         "orders": [(name, *ORDERS[name]) for name in ORDERS],
         "shown": set(zip(plain["scene"], plain["formulation"], strict=True)),
         "has_disorder": bool(select(plain, cloud="lattice", h=1.0 / 16.0).shape[0]),

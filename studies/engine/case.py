@@ -1,8 +1,8 @@
 """A case: the unit of work of a study, and how one is run, stored and found again.
 
 The outcome of a case is kept in ``<out>/partial/<key>-<hash>.json``.  The hash covers the function,
-its arguments, the sources of both solvers and those of the study, so a study that was killed goes
-on where it stopped, and a changed source runs again.
+its arguments, the sources of both solvers and what the function reaches of those of the study.  So
+a study that was killed goes on where it stopped, and what a change can alter runs again.
 """
 
 from __future__ import annotations
@@ -88,10 +88,23 @@ def case_hash(case: Case) -> str:
             "that of a stored result; use numbers, texts, option objects and lists of those",
         )
     name = f"{real_name(case.run.__module__)}:{case.run.__qualname__}"
+    kinds = sorted(_kinds(case.arguments), key=repr)
     digest = hashlib.sha256()
-    for part in (name, repr(words), source_hash(), hash_of_sources(case.run.__module__)):
+    for part in (name, repr(words), source_hash(), hash_of_sources(case.run, *kinds)):
         digest.update(hashlib.sha256(part.encode()).digest())
     return digest.hexdigest()[:16]
+
+
+def _kinds(value: Any) -> set[type]:
+    """Classes of the option objects in an argument: what they do is part of a case too."""
+    if isinstance(value, Mapping):
+        return set().union(*map(_kinds, value.values()))
+    if isinstance(value, list | tuple):
+        return set().union(*map(_kinds, value))
+    if not dataclasses.is_dataclass(value):
+        return set()
+    parts = (getattr(value, each.name) for each in dataclasses.fields(value))
+    return {type(value)}.union(*map(_kinds, parts))
 
 
 def partial_path(folder: Path, case: Case) -> Path:

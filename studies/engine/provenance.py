@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from sphsolid.compiled import source_hash
-from studies.engine.sources import ROOT, command_of, hash_of_sources
+from studies.engine.sources import ROOT
 
 _PACKAGES = ("numpy", "scipy", "numba", "llvmlite", "scikit-fem", "pandas", "matplotlib", "typst")
 
@@ -30,7 +30,8 @@ def package_version() -> str:
 def describe_run(
     *,
     study: str,
-    module: str,
+    command: str,
+    sources: str,
     argv: Sequence[str],
     mode: str,
     jobs: int,
@@ -44,7 +45,7 @@ def describe_run(
     """What ``run.json`` holds; names no folder of the machine it was made on."""
     return {
         "study": study,
-        "command": " ".join([command_of(module), *map(_relative, argv)]),
+        "command": " ".join([command, *map(_relative, argv)]),
         "mode": mode,
         "date_utc": datetime.datetime.now(datetime.UTC).strftime("%Y-%m-%d %H:%M:%S"),
         "wall_s": round(wall_s, 1),
@@ -57,7 +58,7 @@ def describe_run(
             _git("status", "--porcelain", "--", "sphsolid", "fem_reference", "studies")
         ),
         "source_hash": source_hash(),
-        "study_hash": hash_of_sources(module),
+        "study_hash": sources,
         "python": platform.python_version(),
         "packages": {name: _version(name) for name in _PACKAGES},
         "system": f"{platform.system()} {platform.machine()}",

@@ -1,4 +1,8 @@
-"""Which sources a study is made of: its own module and what that imports of its package."""
+"""Which sources a row is made of: functions, and all that they reach in the study's own modules.
+
+A figure, a claim or a text changes no row, and nothing is run again for it.  So what is hashed is
+not files but definitions: those that a function names, those that these name, and so on.
+"""
 
 from __future__ import annotations
 
@@ -6,11 +10,18 @@ import ast
 import hashlib
 import importlib.util
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 ROOT = Path(__file__).resolve().parents[2]
+Definition = tuple[str, str]
+#: It runs cases and changes none of their rows.
+_ENGINE = "studies.engine"
+#: No part of a solver, and so of no hash of theirs; but rows hold percentiles that are taken there.
+_LOOK = "sphsolid.look"
 
 
 def real_name(module: str) -> str:
@@ -30,32 +41,121 @@ def command_of(module: str) -> str:
     return "python -m " + ".".join(parts[:2] if parts[0] == "studies" else parts)
 
 
-def hash_of_sources(module: str) -> str:
-    """Hash of the text of ``module`` and of all it imports of its own package and of ``studies``.
+def hash_of_sources(*made_by: Callable[..., Any] | type) -> str:
+    """Hash of the text of functions and classes and of every definition that they reach.
 
-    What lies beside a script is of its package.  The engine itself is left out: it runs cases and
-    changes none of their rows.
+    Followed are names of the same package and of ``studies``, but not of its engine; what lies
+    beside a script is of its package.  Docstrings, blank lines and the places of definitions do not
+    count.
     """
-    return _hash(real_name(module))
+    return _hash(tuple((real_name(m.__module__), m.__qualname__.split(".")[0]) for m in made_by))
 
 
 @cache
-def _hash(module: str) -> str:
-    own = _package(module) | {"studies"}
-    seen: dict[str, bytes] = {}
-    waiting = [module]
+def _hash(roots: tuple[Definition, ...]) -> str:
+    own = {"studies"}.union(*(_package(module) for module, _ in roots))
+    texts = set()
+    seen: set[Definition] = set()
+    waiting = list(roots)
     while waiting:
-        name = waiting.pop()
-        path = _file_of(name)
-        if name in seen or path is None or name.startswith("studies.engine"):
+        one = waiting.pop()
+        followed = one[0].split(".")[0] in own or one[0].startswith(_LOOK)
+        module = _read(one[0]) if followed and not one[0].startswith(_ENGINE) else None
+        if module is None or one in seen:
             continue
-        seen[name] = path.read_bytes()
-        package = name if path.name == "__init__.py" else name.rpartition(".")[0]
-        waiting += [each for each in _imports(seen[name], package) if each.split(".")[0] in own]
-    digest = hashlib.sha256()
-    for name in sorted(seen):
-        digest.update(name.encode() + hashlib.sha256(seen[name]).digest())
-    return digest.hexdigest()[:16]
+        seen.add(one)
+        if one[1] in module.imported:
+            waiting.append(module.imported[one[1]])
+        for node in module.defined.get(one[1], ()):
+            texts.add(module.text(node))
+            waiting += module.used(node)
+    return hashlib.sha256("\0".join(sorted(texts)).encode()).hexdigest()[:16]
+
+
+@dataclass(frozen=True)
+class _Module:
+    """The statements of a module by the names they give, and the names that it imports."""
+
+    lines: Sequence[str]
+    name: str
+    defined: dict[str, list[ast.stmt]]
+    imported: dict[str, Definition]
+
+    def text(self, node: ast.stmt) -> str:
+        """Its lines, decorators too, without docstrings and blank ones."""
+        first = min([node.lineno, *(each.lineno for each in getattr(node, "decorator_list", ()))])
+        kept = set(range(first, (node.end_lineno or first) + 1))
+        for each in ast.walk(node):
+            if isinstance(each, ast.FunctionDef | ast.ClassDef) and ast.get_docstring(each):
+                kept -= set(range(each.body[0].lineno, (each.body[0].end_lineno or 0) + 1))
+        lines = (self.lines[number - 1].rstrip() for number in sorted(kept))
+        return "\n".join(filter(None, lines))
+
+    def used(self, node: ast.AST, local: frozenset[str] = frozenset()) -> Iterator[Definition]:
+        """What a statement may refer to; of an imported module what is taken of it."""
+        if isinstance(node, _SCOPES):
+            local |= _bound(node)
+        if isinstance(node, ast.Name) and node.id not in local:
+            yield self.name, node.id
+        elif isinstance(node, ast.Attribute):
+            first, *others = ast.unparse(node).split(".")
+            if first in self.imported:
+                module = ".".join([*filter(None, self.imported[first]), *others[:-1]])
+                yield module, others[-1]
+        for child in ast.iter_child_nodes(node):
+            yield from self.used(child, local)
+
+
+_SCOPES = (
+    ast.FunctionDef, ast.Lambda, ast.ListComp, ast.SetComp, ast.DictComp, ast.GeneratorExp,
+)  # fmt: skip
+
+
+def _bound(scope: ast.AST) -> set[str]:
+    """Names of a function, lambda or comprehension itself: they hide those of the module."""
+    found, waiting = set[str](), list(ast.iter_child_nodes(scope))
+    while waiting:
+        node = waiting.pop()
+        if isinstance(node, ast.arg):
+            found.add(node.arg)
+        elif isinstance(node, ast.FunctionDef | ast.ClassDef):
+            found.add(node.name)
+        elif isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store):
+            found.add(node.id)
+        if not isinstance(node, (*_SCOPES, ast.ClassDef)):
+            waiting += ast.iter_child_nodes(node)
+    return found
+
+
+@cache
+def _read(module: str) -> _Module | None:
+    path = _file_of(module)
+    if path is None:
+        return None
+    text = path.read_text(encoding="utf-8")
+    package = module if path.name == "__init__.py" else module.rpartition(".")[0]
+    defined: dict[str, list[ast.stmt]] = {}
+    imported: dict[str, Definition] = {}
+    for node in ast.parse(text).body:
+        if isinstance(node, ast.ImportFrom):
+            base = node.module or ""
+            if node.level:
+                inside = package.rsplit(".", node.level - 1)[0]
+                base = f"{inside}.{base}".rstrip(".")
+            imported |= {each.asname or each.name: (base, each.name) for each in node.names}
+        elif isinstance(node, ast.Import):
+            for each in node.names:
+                name = each.asname or each.name.split(".")[0]
+                imported[name] = (each.name if each.asname else name, "")
+        else:
+            for name in _names(node):
+                defined.setdefault(name, []).append(node)
+    return _Module(text.splitlines(), module, defined, imported)
+
+
+def _names(node: ast.stmt) -> set[str]:
+    """Names that a statement at the top of a module gives to something."""
+    return {node.name} if isinstance(node, ast.FunctionDef | ast.ClassDef) else _bound(node)
 
 
 def _package(module: str) -> set[str]:
@@ -77,17 +177,3 @@ def _file_of(module: str) -> Path | None:
     except (ImportError, ValueError):
         return None
     return Path(spec.origin) if spec and spec.origin and Path(spec.origin).exists() else None
-
-
-def _imports(source: bytes, package: str) -> Iterator[str]:
-    """Names that ``source``, a module of ``package``, may import."""
-    for node in ast.walk(ast.parse(source)):
-        if isinstance(node, ast.ImportFrom):
-            base = node.module or ""
-            if node.level:
-                inside = package.rsplit(".", node.level - 1)[0]
-                base = f"{inside}.{base}".rstrip(".")
-            yield base
-            yield from (f"{base}.{each.name}" for each in node.names)
-        elif isinstance(node, ast.Import):
-            yield from (each.name for each in node.names)

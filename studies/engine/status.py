@@ -14,7 +14,7 @@ from pathlib import Path
 import pandas as pd
 
 from sphsolid.compiled import source_hash
-from studies.engine.sources import ROOT, hash_of_sources
+from studies.engine.sources import ROOT
 
 CURRENT, SOLVERS, STUDY = "current", "older than the solvers", "older than the study"
 
@@ -43,8 +43,7 @@ def _status(run: dict[str, str]) -> str:
 
 
 def _hash_of_study(name: str) -> str:
-    module = importlib.import_module(f"studies.{name}")
-    return hash_of_sources(module.STUDY.cases.__module__)
+    return str(importlib.import_module(f"studies.{name}").STUDY.sources)
 
 
 def main() -> int:

@@ -77,6 +77,11 @@ class Study:
         return self.cases.__module__
 
     @property
+    def sources(self) -> str:
+        """Hash of what its tables are made by."""
+        return hash_of_sources(self.cases, self.tables)
+
+    @property
     def command(self) -> str:
         """How it is started."""
         return command_of(self.module)
@@ -185,7 +190,8 @@ def _run(study: Study, options: argparse.Namespace, given: Sequence[str]) -> Non
     tables = _write(study, options.out, ordered)
     run = describe_run(
         study=study.name,
-        module=study.module,
+        command=study.command,
+        sources=study.sources,
         argv=given,
         mode="quick" if options.quick else "full",
         jobs=jobs,
@@ -256,7 +262,7 @@ def _judged(study: Study, results: Results) -> list[Claim]:
         claims = list(study.claims(results.tables))
         _report(study, results, claims)
     except (LookupError, AttributeError) as error:
-        if results.run["study_hash"] == hash_of_sources(study.module):
+        if results.run["study_hash"] == study.sources:
             raise
         raise InputError(
             f"the tables in {results.out} were made by other sources of the study and lack "

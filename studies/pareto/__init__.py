@@ -23,8 +23,7 @@ from studies.measures.swinging_cube import LARGEST_GRADIENT
 from studies.measures.tables import select
 from studies.methods import B_BAR, LATTICE, PACKAGE, TAYLOR_HOOD, Method
 from studies.pareto.choice import ENERGY_MADE, SAME_COST, WITHIN, recommendation
-from studies.pareto.equal_cost import equal_cost
-from studies.pareto.figures import drawing
+from studies.pareto.figures import at_cost, by_error, by_scene, decided_rows, drawing, of_each
 from studies.pareto.front import front_claims
 from studies.pareto.iso_error import (
     ASKED,
@@ -35,6 +34,7 @@ from studies.pareto.iso_error import (
     FARTHEST,
     by_method,
     counts,
+    equal_cost,
     iso_table,
     medians,
     ratios,
@@ -66,7 +66,6 @@ from studies.pareto.problems import (
 )
 from studies.pareto.reference import column_errors, reference
 from studies.pareto.runs import Timing, run_case
-from studies.pareto.views import at_cost, by_error, by_scene, decided_rows, of_each
 
 POISSON = PROBLEMS[CUBE].nus
 #: Cells per metre of the reference of the column in the short form.
@@ -256,7 +255,7 @@ def words(tables: Tables) -> Mapping[str, Any]:
         "ratio_formats": {"nu": "g"} | {method.name: ".2f" for method in shown},
         "error_formats": {"nu": "g", "1/h": ".0f"} | {method.name: ".1e" for method in shown},
         "default": PACKAGE.name, "lattice": LATTICE[sph.LatticeDifference().order].name,
-        "stabilised": counts(tables["ratios_stabilised"]), "nus": POISSON, "asked": ASKED,
+        "stabilised": counts(tables["ratios_stabilised"]), "asked": ASKED,
         "equal": EQUAL, "certain": CERTAIN, "farthest": FARTHEST, "within": WITHIN,
         "same_cost": SAME_COST, "energy_made": ENERGY_MADE, "end": END,
         "gradient": LARGEST_GRADIENT, "known": known[even & (known["time [s]"] > 0.0)],

@@ -1,4 +1,22 @@
-"""One run of a problem: its errors on all threads, then the cost of its step on one."""
+"""One run of a problem: its errors on all threads, then the cost of its step on one.
+
+*CPU seconds*: ``process_time`` of a window of steps on one thread, repeated; the least counts,
+since whatever else the machine does can only add.  Neither compilation nor set-up is in it.
+
+*Bytes*: all arrays reachable from the simulation, each once, one rule for particles and elements.
+
+*Counted work* of one evaluation, from the data structures and the equations, whatever the storage:
+values gathered through an index list and the multiply-adds done with them,
+
+    particles:  gradient of v, force, geometry for the projection; at the secondary particles the
+                fine-scale stress and back; with tau_p the residual of momentum and back;
+    restraint:  F and force; positions and velocities of the near pairs, or of the lines of a
+                lattice, with F and its rate of the pairs, and back;
+    elements:   positions of the nodes, deformation and force at the Gauss points, and back;
+
+and the fields that are streamed through, whose number a formulation decides: value, rate and start
+of a step of each evolved one, and the stress.
+"""
 
 from __future__ import annotations
 
@@ -6,14 +24,164 @@ import time
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+
 import fem_reference as fem
 import sphsolid as sph
 from sphsolid.compiled import set_threads, threads
+from sphsolid.geometry.edges import edges_of
 from sphsolid.scenes import Scene
 from studies.engine.case import Row
 from studies.methods import Elements, Method
-from studies.pareto.cost import counted_work, evaluations_per_step, held_bytes, step_cost
 from studies.pareto.problems import PROBLEMS
+
+# --- what it costs --------------------------------------------------------------------------------
+
+#: Bytes of a number.
+REAL = 8
+#: Nodes and Gauss points of an element, by its name.
+ELEMENTS = {"b_bar_hex": (8, 8), "taylor_hood_hex": (27, 27)}
+
+
+@dataclass(frozen=True)
+class StepCost:
+    """Least CPU seconds a step, spread of the repeats over it, and how it was measured."""
+
+    seconds: float
+    spread: float
+    repeats: int
+    window: int
+
+
+def step_cost(sim: Any, *, window_s: float, repeats: int) -> StepCost:
+    """Time ``repeats`` windows of about ``window_s`` CPU seconds; at least two steps each."""
+    sim.advance(sim.stable_time_step())
+    guess = _cpu_seconds(sim, 2)
+    steps = max(2, round(window_s / guess))
+    found = [_cpu_seconds(sim, steps) for _ in range(repeats)]
+    least = min(found)
+    return StepCost(least, max(found) / least - 1.0, repeats, steps)
+
+
+def _cpu_seconds(sim: Any, steps: int) -> float:
+    started = time.process_time()
+    for _ in range(steps):
+        sim.advance(sim.stable_time_step())
+    return (time.process_time() - started) / steps
+
+
+def held_bytes(owner: Any) -> int:
+    """Bytes of every array reachable from ``owner`` through objects of the two packages."""
+    arrays: dict[int, int] = {}
+    seen: set[int] = set()
+    waiting = [owner]
+    while waiting:
+        value = waiting.pop()
+        if isinstance(value, np.ndarray):
+            while isinstance(value.base, np.ndarray):
+                value = value.base
+            arrays[id(value)] = value.nbytes
+        elif id(value) not in seen:
+            seen.add(id(value))
+            waiting += _parts(value)
+    return sum(arrays.values())
+
+
+def _parts(value: Any) -> list[Any]:
+    if isinstance(value, list | tuple | set | frozenset):
+        return list(value)
+    if isinstance(value, dict):
+        return list(value.values())
+    if type(value).__module__.split(".")[0] in ("sphsolid", "fem_reference", "scipy"):
+        return list(getattr(value, "__dict__", {}).values())
+    return []
+
+
+def evaluations_per_step(sim: Any) -> int:
+    """Force evaluations of a step."""
+    return 1 if isinstance(sim, fem.Simulation) else int(sim.integrator.stages)
+
+
+@dataclass(frozen=True)
+class Work:
+    """Work of one evaluation: ``pairs`` visited, ``gathered`` and ``streamed`` bytes,
+    ``multiply_adds`` at the pairs.
+    """
+
+    pairs: float
+    gathered: float
+    multiply_adds: float
+    streamed: float = 0.0
+
+    def __add__(self, other: Work) -> Work:
+        return Work(
+            self.pairs + other.pairs,
+            self.gathered + other.gathered,
+            self.multiply_adds + other.multiply_adds,
+            self.streamed + other.streamed,
+        )
+
+    @classmethod
+    def of(cls, pairs: float, values: int, multiply_adds: int) -> Work:
+        """``values`` numbers gathered and so many multiply-adds at each of ``pairs`` visits."""
+        return cls(pairs, REAL * values * pairs, multiply_adds * pairs)
+
+
+def counted_work(sim: Any) -> Work:
+    """Work of one evaluation of the right-hand side of ``sim``."""
+    if isinstance(sim, fem.Simulation):
+        return _of_elements(sim)
+    cloud, fields = sim.cloud, sim.formulation
+    pairs = cloud.size * cloud.kinematic.mean_neighbours
+    if isinstance(sim.stabilisation, sph.Restraint):
+        return _of_restraint(sim, pairs)
+    # grad v, div P; F_x for the projection, and F itself where it is not evolved.
+    work = Work.of(pairs, 3, 9) + Work.of(pairs, 9, 9)
+    projects = isinstance(sim.angular_momentum, sph.LocalProjection)
+    for _ in range(int(projects) + int(not fields.evolves_F)):
+        work += Work.of(pairs, 3, 9)
+    if isinstance(sim.stabilisation, sph.SUPG):
+        work += _of_stabilisation(sim)
+    evolved = 6 + 9 * fields.evolves_F + 9 * fields.evolves_H + fields.evolves_J
+    return work + Work(0.0, 0.0, 0.0, REAL * (3.0 * evolved + 9.0) * cloud.size)
+
+
+def _of_restraint(sim: sph.Simulation, pairs: float) -> Work:
+    size = sim.cloud.size
+    fields = Work(0.0, 0.0, 0.0, REAL * (3.0 * 6.0 + 9.0) * size)
+    if isinstance(sim.cloud.kind, sph.LatticeDifference):
+        # Along its line a neighbour gives one column of F and takes one of P; five of them a line.
+        return fields + Work.of(pairs, 6, 6) + Work.of(3.0 * 5.0 * size, 9, 9)
+    near = 2.0 * len(edges_of(sim.cloud.mesh).a)
+    return fields + Work.of(pairs, 12, 18) + Work.of(near, 3 + 3 + 9 + 9 + 12, 45)
+
+
+def _of_stabilisation(sim: sph.Simulation) -> Work:
+    supg, secondary = sim.stabilisation, sim.secondary
+    assert isinstance(supg, sph.SUPG)
+    assert secondary is not None
+    pairs = len(secondary.X) * secondary.sampling.mean_neighbours
+    # Velocity, the tensor that is interpolated, and the positions; then D(p).
+    work = Work.of(pairs, 3 + 9 + 3, 27) + Work.of(pairs, 9, 9)
+    if supg.is_self_adjoint:
+        # The fine stress back to the particles, and F_x there to project it.
+        primary = sim.cloud.size * sim.cloud.kinematic.mean_neighbours
+        work += Work.of(pairs, 9, 9) + Work.of(primary, 3, 9)
+    if supg.damps_J:
+        work += Work.of(pairs, 9 + 3, 12) + Work.of(pairs, 3, 3)
+    return work
+
+
+def _of_elements(sim: fem.Simulation) -> Work:
+    nodes, points = ELEMENTS[sim.element.name]
+    visits = sim.elements * nodes
+    # Positions in, F and force at every point, element forces out and gathered at the nodes.
+    # Position, velocity and acceleration of the nodes.
+    streamed = REAL * 9.0 * len(sim.snapshot().X)
+    return Work(visits, REAL * 9.0 * visits, 18.0 * points * visits, streamed)
+
+
+# --- a run ----------------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True)

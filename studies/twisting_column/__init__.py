@@ -29,6 +29,7 @@ from studies.methods import Method, said
 from studies.pictures.picture import keeping
 from studies.twisting_column import claims as judged
 from studies.twisting_column import outside
+from studies.twisting_column.claims import quoted
 from studies.twisting_column.compare import CLAMP, SHARES, differences
 from studies.twisting_column.figures import FIGURES, INDEPENDENT_PRESSURE, PICTURES
 from studies.twisting_column.methods import (
@@ -60,7 +61,6 @@ from studies.twisting_column.runs import (
     run_column,
     usual_cfl,
 )
-from studies.twisting_column.summary import quoted
 
 #: Beside the paper's lattices and the ultra-fine one, so that a limit can be found.
 ALSO, FINEST_FEM, STIFFER = (6, 8, 12), 16, 0.499

@@ -345,3 +345,26 @@ def _noises(runs: pd.DataFrame) -> Iterator[Claim]:
                 "mean pressure noise", float(run["noise_free_mean"].iloc[0]),
                 where=f"{method.name}, {lattice(cells)}", format=".3f",
             )  # fmt: skip
+
+
+# --- what is printed at the end of the study ------------------------------------------------------
+
+
+def quoted(tables: Tables) -> str:
+    """What README quotes: every claim as judged, the sequences, every run at the usual step."""
+    lines = [f"{one.what}{', ' * bool(one.where)}{one.where}: {one.verdict}. {one.shown}"
+             for one in claims(tables)]  # fmt: skip
+    runs, names = usual(tables["table"]), [method.name for method in (H1, H6, DEFAULT, PLAIN, FEM)]
+    lines += ["", f"Twist at 0.1 s against {outside.NAME} ({outside.twist().value:g} rad):"]
+    lines += [f"{name}: {twist_sequence(runs, name).text()}" for name in names
+              if has_limit(runs, name)]  # fmt: skip
+    lines += ["", "Largest error of the twist at 20 .. 100 ms, energy kept, steps:"]
+    for name in names:
+        for _, run in select(runs, method=name).sort_values("cells").iterrows():
+            if run["survived"]:
+                lines.append(
+                    f"{name}, {lattice(int(run['cells']))}: {100 * twist_error(run):.2f} %, "
+                    f"{100 * run['energy_kept']:.1f} %, {run['steps']} steps"
+                    + (", folded" if run["folded"] else "")
+                )
+    return "\n".join(lines)

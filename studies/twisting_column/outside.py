@@ -14,8 +14,8 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from sphsolid.errors import InputError
-from studies.measures.extrapolate import LEVELS, Limit, extrapolate, sign_changes
 from studies.measures.folding import sound
+from studies.measures.order import LEVELS, Limit, extrapolate, sign_changes
 from studies.measures.tables import select
 from studies.twisting_column.runs import INSTANTS, lattice
 

@@ -16,9 +16,9 @@ from pathlib import Path
 import pytest
 
 from studies.pareto import POISSON
-from studies.pareto.cost import counted_work, evaluations_per_step
 from studies.pareto.methods import compared
 from studies.pareto.problems import CUBE, timed
+from studies.pareto.runs import counted_work, evaluations_per_step
 
 RECORDED = tomllib.loads((Path(__file__).parent / "cost_ratios.toml").read_text(encoding="utf-8"))
 KINDS = ("gathered", "streamed", "multiply_adds")

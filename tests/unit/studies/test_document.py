@@ -36,7 +36,7 @@ FAILED = pd.DataFrame({"key": ["case 7"], "failure": ["Diverged"], "message": ["
 @pytest.fixture
 def results(tmp_path):
     run = describe_run(
-        study="fake", module="tests.unit.studies.fake_study", argv=[], mode="quick", jobs=3,
+        study="fake", command="python -m fake", sources="ab", argv=[], mode="quick", jobs=3,
         threads=1, cluster=True, wall_s=65.0, cases=3, failed=1, resumed=2,
     )  # fmt: skip
     tables = {"table": pd.DataFrame({"name": ["a", "b"], "value": [0.12345, 2.0]})}

@@ -16,10 +16,10 @@ from sphsolid.scenes import twisting_column
 from studies.engine.results import Results
 from studies.engine.text import document
 from studies.methods import B_BAR, DISPLACEMENT, LATTICE, PACKAGE, TAYLOR_HOOD
-from studies.pareto import COLUMNS, POISSON, STUDY, cases, claims, cost, counts, runs, tables, words
+from studies.pareto import COLUMNS, POISSON, STUDY, cases, claims, counts, runs, tables, words
 from studies.pareto import problems as of_problems
 from studies.pareto.choice import FAMILIES, SAME_COST, WITHIN, chosen, recommendation
-from studies.pareto.equal_cost import equal_cost
+from studies.pareto.figures import at_cost, by_error, by_scene
 from studies.pareto.front import TARGETS, front_claims, measured
 from studies.pareto.iso_error import (
     ASKED,
@@ -38,6 +38,7 @@ from studies.pareto.iso_error import (
     UNSURE,
     by_method,
     envelope,
+    equal_cost,
     iso_error,
     medians,
     ratios,
@@ -72,7 +73,6 @@ from studies.pareto.problems import (
 )
 from studies.pareto.reference import column_errors, limit, reference, spread
 from studies.pareto.runs import Timing, run_case
-from studies.pareto.views import at_cost, by_error, by_scene
 
 LEVELS = np.array([4.0, 8.0, 16.0])
 POWERS = {"particles": LEVELS**3, "cpu_s_per_s": 2.0 * LEVELS**4, "bytes": 100.0 * LEVELS**3}
@@ -443,18 +443,18 @@ def test_memory_is_counted_once_and_by_one_rule():
             self.me = self
 
     Owner.__module__ = "sphsolid.made_up"
-    assert cost.held_bytes(Owner()) == 8000 + 100
+    assert runs.held_bytes(Owner()) == 8000 + 100
     sim = MIXED[PFJ].simulation(timed(CUBE, 0.3), spacing=1 / 8)
     # What the simulation says of itself, and the mesh.
-    assert 1.0 <= cost.held_bytes(sim) / sim.memory_bytes() < 1.2
+    assert 1.0 <= runs.held_bytes(sim) / sim.memory_bytes() < 1.2
 
 
 def test_the_least_of_the_windows_counts(monkeypatch):
     """A clock that runs slowly in the third window of four."""
     ticks = iter([0.0, 2.0, *(t for k, s in enumerate((9.0, 6.0, 5.0, 8.0)) for t in (k, k + s))])
-    monkeypatch.setattr(cost.time, "process_time", lambda: next(ticks))
+    monkeypatch.setattr(runs.time, "process_time", lambda: next(ticks))
     sim = B_BAR.simulation(timed(CUBE, 0.3), spacing=0.5)
-    found = cost.step_cost(sim, window_s=5.0, repeats=4)
+    found = runs.step_cost(sim, window_s=5.0, repeats=4)
     assert (found.window, found.repeats) == (5, 4)
     assert found.seconds == pytest.approx(1.0)
     assert found.spread == pytest.approx(0.8)
@@ -463,7 +463,7 @@ def test_the_least_of_the_windows_counts(monkeypatch):
 
 def test_counted_work_grows_with_terms_and_fields():
     def work(method):
-        return cost.counted_work(method.simulation(timed(CUBE, 0.495), spacing=0.25))
+        return runs.counted_work(method.simulation(timed(CUBE, 0.495), spacing=0.25))
 
     bare, plain, mixed, volume, dense = map(
         work, (options()[1], PLAIN[PF], MIXED[PF], MIXED[PFJ], DENSE[PF])

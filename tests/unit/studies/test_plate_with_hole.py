@@ -12,8 +12,7 @@ from studies import plate_with_hole as study
 from studies.engine.results import Results
 from studies.meshes import MESHES
 from studies.methods import B_BAR, SUPG
-from studies.plate_with_hole.plane import plane_stress_over_pull
-from studies.plate_with_hole.recovery import at_cells, fitted
+from studies.plate_with_hole import at_cells, fitted, plane_stress_over_pull
 
 
 def kirsch(X, a=0.1):

@@ -10,6 +10,7 @@ import subprocess
 import sys
 import textwrap
 import time
+import types
 from pathlib import Path
 
 import numpy as np
@@ -25,6 +26,7 @@ from studies.engine.progress import Estimate
 from studies.engine.results import read_table, write_table
 from studies.engine.sources import hash_of_sources
 from studies.engine.study import main
+from studies.methods import PACKAGE
 from tests.unit.studies.fake_study import (
     TEXT,
     breaks,
@@ -168,7 +170,7 @@ def test_resume_runs_again_what_a_change_made_stale(tmp_path, monkeypatch):
     log.unlink()
     main(fake, [*arguments, "--resume"])
     assert finished(log) == []
-    monkeypatch.setattr(case_module, "hash_of_sources", lambda module: "another")
+    monkeypatch.setattr(case_module, "hash_of_sources", lambda *_: "another")
     main(fake, [*arguments, "--resume"])
     assert finished(log) == [0.125, 0.25]
     main(fake, arguments)
@@ -186,38 +188,71 @@ def test_outcomes_survive_the_disk(tmp_path):
     assert load(tmp_path / "none.json") is None
 
 
-def test_sources_are_the_module_and_what_it_imports_of_its_own(tmp_path, monkeypatch):
-    """Relative imports, and what lies beside a script, are the study's; the engine is not."""
-    package = tmp_path / "my_package"
-    package.mkdir()
-    files = {
-        "my_package/__init__.py": "from . import far\n",
-        "my_package/study.py": "import numpy, studies.methods\nfrom .near import x\n",
-        "my_package/near.py": "x = 1\n", "my_package/far.py": "", "my_package/other.py": "",
-        "my_script.py": "import my_beside\nfrom studies.engine.study import Case\n",
-        "my_beside.py": "", "my_stranger.py": "",
-    }  # fmt: skip
-    for name, text in files.items():
-        (tmp_path / name).write_text(text)
+SOURCES = {
+    "my_package/__init__.py": "",
+    "my_package/study.py": "import numpy\nfrom studies.methods import PACKAGE\nfrom . import far\n"
+    "from .near import x as y\n\ndef cases():\n    \"\"\"Words.\"\"\"\n    other = 1\n"
+    "    return y, far.reached(other), PACKAGE\n\ndef figure():\n    return other, cases()\n\n"
+    "other = 3\n",
+    "my_package/near.py": "hidden = 1\nx = hidden\nunused = 2\n",
+    "my_package/far.py": "def reached(x):\n    return x + 1\n\ndef not_reached():\n    return 2\n",
+    "my_script.py": "from my_beside import step\nimport my_package.near\n\n"
+    "def cases():\n    return step(), my_package.near.unused\n",
+    "my_beside.py": "def step():\n    return 5\n",
+}
+
+
+@pytest.mark.parametrize(
+    ("file", "old", "new", "module"),
+    [
+        ("my_package/study.py", "return y,", "return y, y,", "my_package.study"),
+        ("my_package/near.py", "hidden = 1", "hidden = 7", "my_package.study"),
+        ("my_package/far.py", "x + 1", "x + 2", "my_package.study"),
+        ("my_beside.py", "5", "6", "my_script"),
+        ("my_package/study.py", "Words", "Other words", ""),
+        ("my_package/study.py", "return other, cases()", "return 0", ""),
+        # A name of the function itself is not that of the module.
+        ("my_package/study.py", "other = 3", "other = 4", ""),
+        ("my_package/near.py", "unused = 2", "unused = 3", "my_script"),
+        ("my_package/near.py", "x = hidden", "x = hidden\nz = 4", ""),
+        ("my_package/far.py", "return 2", "return 3", ""),
+        ("my_package/far.py", "def reached", "\n# comment\n\ndef reached", ""),
+    ],
+)
+def test_sources_are_what_a_function_reaches(tmp_path, monkeypatch, file, old, new, module):
+    """In its package or beside its script, whatever figures and words change there."""
+    (tmp_path / "my_package").mkdir()
     monkeypatch.syspath_prepend(tmp_path)
-    changing = {
-        "my_package.study": {"my_package/study.py", "my_package/near.py"},
-        "my_script": {"my_script.py", "my_beside.py"},
-    }
-    for module, expected in changing.items():
-        before, found = hash_of_sources(module), set()
-        for name, text in files.items():
-            (tmp_path / name).write_text(text + "# edited\n")
+    monkeypatch.delitem(sys.modules, "my_package", raising=False)
+    found = []
+    for text in (SOURCES[file], SOURCES[file].replace(old, new)):
+        for name, usual in SOURCES.items():
+            (tmp_path / name).write_text(text if name == file else usual)
+        hashes = {}
+        for name in ("my_package.study", "my_script"):
             sources._hash.cache_clear()
-            found |= {name} if hash_of_sources(module) != before else set()
-            (tmp_path / name).write_text(text)
-        sources._hash.cache_clear()
-        assert found == expected
-    methods = ROOT / "studies" / "methods.py"
+            sources._read.cache_clear()
+            function = types.FunctionType((lambda: None).__code__, {"__name__": name}, "cases")
+            function.__qualname__ = "cases"
+            hashes[name] = hash_of_sources(function)
+        found.append(hashes)
+    sources._hash.cache_clear()
+    sources._read.cache_clear()
+    assert {name for name in found[0] if found[0][name] != found[1][name]} == {module} - {""}
+
+
+def test_a_method_is_part_of_what_uses_it(monkeypatch):
+    before = hash_of_sources(PACKAGE.but), case_hash(power(0.25))
+    read = Path.read_text
     monkeypatch.setattr(
-        Path, "read_bytes", lambda path: b"" if path == methods else path.read_text().encode()
+        Path, "read_text", lambda path, **more: read(path, **more).replace("made = name or", "m =")
     )
-    assert hash_of_sources("my_package.study") != before
+    sources._hash.cache_clear()
+    sources._read.cache_clear()
+    after = hash_of_sources(PACKAGE.but), case_hash(power(0.25))
+    sources._hash.cache_clear()
+    sources._read.cache_clear()
+    assert (before[0] != after[0], before[1] == after[1]) == (True, True)
 
 
 # --- failures -----------------------------------------------------------------------------------

@@ -23,7 +23,7 @@ from studies.engine.results import Results, read_results
 from studies.engine.study import main
 from studies.measures.indicators import pressure_noise
 from studies.twisting_column import outside, runs
-from studies.twisting_column.claims import claims
+from studies.twisting_column.claims import claims, quoted
 from studies.twisting_column.compare import CLAMP, centres, difference, kink, nodes
 from studies.twisting_column.methods import (
     DEFAULT,
@@ -46,7 +46,6 @@ from studies.twisting_column.outside import (
     twist_sequence,
 )
 from studies.twisting_column.runs import Column, lattice, usual_cfl
-from studies.twisting_column.summary import quoted
 
 REPRODUCED, IN_PART, NOT = "reproduced", "reproduced in part", "not reproduced"
 

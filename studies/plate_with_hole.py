@@ -15,8 +15,26 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
+from matplotlib.tri import Triangulation
 from numpy.typing import NDArray
+from scipy.spatial import cKDTree
+from skfem import (
+    Basis,
+    BilinearForm,
+    ElementQuad2,
+    ElementVector,
+    FacetBasis,
+    LinearForm,
+    MeshQuad,
+    MeshQuad2,
+    asm,
+    condense,
+    solve,
+)
+from skfem.helpers import ddot, sym_grad, trace
 
 from sphsolid import Consistent
 from sphsolid.defaults import default_operator
@@ -24,18 +42,153 @@ from sphsolid.errors import InputError
 from sphsolid.geometry import Mesh, MeshFile
 from sphsolid.geometry.body import AS_MESHED
 from sphsolid.geometry.cell_shape import HEXAHEDRON
+from sphsolid.geometry.closed_surface import halves
 from sphsolid.scenes import gross_concentration, plate_with_hole
 from studies.engine.plotting import outside_legend, panels
-from studies.engine.study import Case, Claim, Results, Row, Study, Tables
+from studies.engine.study import Case, Claim, Results, Row, Study, Tables, run_study
 from studies.measures import folding
 from studies.measures.tables import select
 from studies.meshes import MESHES
 from studies.methods import B_BAR, PACKAGE, SUPG, Method
-from studies.pictures.face import draw_facets
-from studies.plate_with_hole.plane import plane_stress_over_pull
-from studies.plate_with_hole.recovery import PATCH, at_cells, fitted, hoop
+
+# --- the plane problem by quadratic finite elements: what every method should come to -------------
 
 Array = NDArray[np.float64]
+_LAME = (1.5, 1.0)
+#: Corners of the reference quadrilateral.
+_CORNERS = np.array([[0.0, 1.0, 1.0, 0.0], [0.0, 0.0, 1.0, 1.0]])
+
+
+def plane_stress_over_pull(
+    *, cells: int, radius: float = 0.1, half_width: float = 0.5
+) -> tuple[Array, Array]:
+    """``sigma / S (n, 2, 2)`` at the corners ``X (n, 2)`` of ``cells x cells`` elements.
+
+    Quadratic elements in geometry and displacement, linear elasticity; the mean of what the
+    elements around a corner have there.  Neither Poisson's ratio nor stress or strain being plane
+    changes the stress in the plane.
+    """
+
+    def place(s: Array) -> Array:
+        """From the unit square (from the hole outwards, around it) to the quarter plate."""
+        angle = 0.5 * np.pi * s[1]
+        direction = np.stack([np.cos(angle), np.sin(angle)])
+        outer = half_width / direction.max(axis=0)
+        # Finer at the hole.
+        out = s[0] * (0.35 + 0.65 * s[0])
+        return (radius + (outer - radius) * out) * direction
+
+    planes = np.linspace(0.0, 1.0, cells + 1)
+    flat = MeshQuad2.from_mesh(MeshQuad.init_tensor(planes, planes))
+    mesh = MeshQuad2(place(flat.doflocs), flat.t)
+    element = ElementVector(ElementQuad2())
+    lam, mu = _LAME
+
+    @BilinearForm
+    def stiffness(u, v, w):  # type: ignore[no-untyped-def]
+        e, f = sym_grad(u), sym_grad(v)
+        return lam * trace(e) * trace(f) + 2.0 * mu * ddot(e, f)
+
+    @LinearForm
+    def pull(v, w):  # type: ignore[no-untyped-def]
+        return v[1]
+
+    basis = Basis(mesh, element)
+    top = mesh.facets_satisfying(lambda x: np.isclose(x[1], half_width), boundaries_only=True)
+    fixed = np.concatenate(
+        [
+            basis.get_dofs(lambda x, axis=axis: np.isclose(x[axis], 0.0)).all(f"u^{axis + 1}")
+            for axis in (0, 1)
+        ]
+    )
+    u = solve(*condense(asm(stiffness, basis), asm(pull, FacetBasis(mesh, element, facets=top)),
+                        D=fixed))  # fmt: skip
+    corners = Basis(mesh, element, quadrature=(_CORNERS, np.ones(4)))
+    e = sym_grad(corners.interpolate(u))
+    sigma = 2.0 * mu * e + lam * trace(e) * np.eye(2)[:, :, None, None]
+    X = np.asarray(corners.global_coordinates())
+    key = np.round(X.reshape(2, -1).T / (1e-7 * half_width)).astype(np.int64)
+    _, first, number = np.unique(key, axis=0, return_index=True, return_inverse=True)
+    count = np.bincount(number.ravel())
+    values = np.asarray(sigma).reshape(4, -1)
+    mean = [np.bincount(number.ravel(), weights=row) / count for row in values]
+    return X.reshape(2, -1).T[first], np.stack(mean, axis=1).reshape(-1, 2, 2)
+
+
+# --- hoop stress at the edge, from particles or from the middle of cells --------------------------
+
+#: Cells to a fit, ten columns of four layers on the mesh of hexahedra, and how many more at a time
+#: where these do not determine a quadratic: condition number of the terms, in units of the patch.
+PATCH, MORE, LARGEST_CONDITION = 40, 8, 100.0
+
+
+def hoop(X: Array, stress: Array) -> Array:
+    """``t . sigma t (n,)`` with ``t`` around the Z axis, ``stress (n, 3, 3)`` at ``X (n, 3)``."""
+    r = np.hypot(X[:, 0], X[:, 1])
+    t = np.stack([-X[:, 1] / r, X[:, 0] / r], axis=1)
+    return np.asarray(np.einsum("ni,nij,nj->n", t, stress[:, :2, :2], t))
+
+
+def at_cells(stress: Array, cells: NDArray[np.int64]) -> Array:
+    """Means over the corners of cells ``(C, 3, 3)``: the interpolant in the middle of each."""
+    return np.asarray(stress[cells].mean(axis=1))
+
+
+def fitted(X: Array, stress: Array, at: Array) -> Array:
+    """Stress ``(m, 3, 3)`` at places ``at (m, 2)``, a mean over the thickness.
+
+    The complete quadratic in X and Y that fits best, in the least-squares sense, the ``PATCH``
+    values nearest in the plane, or more where they are in too few rows: patch recovery
+    [Zienkiewicz1992], which reaches the edge of the hole from the middles of the cells beside it.
+    """
+    tree = cKDTree(X[:, :2])
+    out = np.empty((len(at), 3, 3))
+    for k, place in enumerate(at):
+        for size in range(min(PATCH, len(X)), len(X) + 1, MORE):
+            _, patch = tree.query(place, k=size)
+            d = X[patch, :2] - place
+            x, y = (d / np.abs(d).max(axis=0)).T
+            terms = np.stack([np.ones_like(x), x, y, x**2, x * y, y**2], axis=1)
+            if np.linalg.cond(terms) <= LARGEST_CONDITION:
+                break
+        fit = np.linalg.lstsq(terms, stress[patch].reshape(size, 9), rcond=None)[0]
+        out[k] = fit[0].reshape(3, 3)
+    return out
+
+
+# --- one face in colour ---------------------------------------------------------------------------
+
+
+def draw_facets(
+    ax: Axes,
+    plane: Array,
+    facets: NDArray[np.int64],
+    values: Array,
+    *,
+    limits: tuple[float, float],
+    colour_map: str,
+) -> Any:
+    """Colour facets ``(n, 3 or 4)`` by ``values (N,)`` at their vertices ``plane (N, 2)`` [m].
+
+    Colours are linear between the vertices of a triangle; the edges of the facets are drawn.
+    """
+    drawn = ax.tripcolor(
+        Triangulation(plane[:, 0], plane[:, 1], halves(facets)),
+        values, shading="gouraud", cmap=colour_map, vmin=limits[0], vmax=limits[1],
+        rasterized=True,
+    )  # fmt: skip
+    ax.add_collection(
+        PolyCollection(
+            list(plane[facets]), facecolors="none", edgecolors="black", linewidths=0.15, alpha=0.5
+        )
+    )
+    ax.set(aspect="equal", xlabel="X [m]", ylabel="Y [m]")
+    ax.grid(visible=False)
+    return drawn
+
+
+# --- the study ------------------------------------------------------------------------------------
+
 CONSISTENT = SUPG.but(operator=Consistent(), marker="s")
 #: Methods and meshes; the first run is the one that others are compared with.
 RUNS = (
@@ -371,7 +524,11 @@ STUDY = Study(
     claims=claims,
     figures={"plate": plate_figure, "ligament": ligament_figure},
     words=words,
-    text=Path(__file__).with_name("plate_with_hole.md"),
+    text=Path(__file__).with_suffix(".md"),
     warm_up=warm_up,
     description="Stress concentration at a hole, particles on mesh files against B-bar elements.",
 )
+
+
+if __name__ == "__main__":
+    run_study(STUDY)
