@@ -84,14 +84,23 @@ class Particles:
         return replace(usual, **changes) if changes else usual
 
     def but(self, changes: Mapping[str, Any]) -> Particles:
-        """Other options; those of :class:`~sphsolid.SUPG` change the stabilisation."""
+        """Other options; those of :class:`~sphsolid.SUPG` change the stabilisation.
+
+        Raises ``InputError`` where there is no SUPG to change.
+        """
         terms = {each.name for each in fields(sph.SUPG)}
         supg = {name: value for name, value in changes.items() if name in terms}
         options = {name: value for name, value in changes.items() if name not in terms}
+        made = _merged(self.options, options)
+        if supg and not self.supg and not {"stabilisation", "formulation"} & dict(made).keys():
+            raise InputError(
+                f"{', '.join(supg)} belong to sphsolid.SUPG, and the package default is none; vary "
+                "studies.methods.SUPG, or give a formulation that evolves F"
+            )
         if "stabilisation" in options:
             # Another stabilisation is not changed by what was changed of the one before.
-            return Particles(_merged(self.options, options), _merged((), supg))
-        return Particles(_merged(self.options, options), _merged(self.supg, supg))
+            return Particles(made, _merged((), supg))
+        return Particles(made, _merged(self.supg, supg))
 
 
 @dataclass(frozen=True)
