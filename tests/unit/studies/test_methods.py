@@ -24,7 +24,7 @@ def test_the_default_is_what_a_user_gets() -> None:
 
 @pytest.mark.parametrize("method", [PACKAGE, LATTICE[4]], ids=lambda method: method.name)
 def test_what_has_no_supg_has_no_times_to_change(method) -> None:
-    with pytest.raises(sph.InputError, match="tau_p belong to sphsolid.SUPG"):
+    with pytest.raises(sph.InputError, match=r"tau_p belong to sphsolid\.SUPG"):
         method.but(tau_p=0.0)
 
 
