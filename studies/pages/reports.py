@@ -13,6 +13,7 @@ from sphsolid.errors import InputError, require
 from studies.engine.claims import FIRST
 from studies.engine.results import read_table
 from studies.measures.tables import select
+from studies.methods import LATTICE, PACKAGE, SUPG
 from studies.pages import views
 
 #: Columns of claims, and what reports called them before they had an engine in common.
@@ -88,6 +89,25 @@ class Reports:
         found = [self[name].claims.assign(study=name) for name in self.names]
         every = pd.concat([each for each in found if len(each)], ignore_index=True)
         return in_order(select(every, source="paper"))
+
+    @property
+    def targets(self) -> pd.DataFrame:
+        """What was asked of the package default and its lattice differences, with the study."""
+        names = "|".join([PACKAGE.name, *(method.name for method in LATTICE.values())])
+        found = []
+        for name in self.names:
+            claims = select(self[name].claims, source="asked")
+            said = claims["claim"].astype(str) + " " + claims["where"].astype(str)
+            # A table without a SUPG row is older than the default: its name meant another method.
+            if self.knows_default(name):
+                found.append(claims[said.str.contains(names)].assign(study=f"`{name}`"))
+        empty = pd.DataFrame(columns=[*_CLAIMS, "study"])
+        return in_order(pd.concat([empty, *found], ignore_index=True))
+
+    def knows_default(self, name: str) -> bool:
+        """True where "package default" is what it is now in the report of that study."""
+        table = self[name].table("table", "method")
+        return table is not None and bool(table["method"].str.startswith(SUPG.name).any())
 
     @property
     def counts(self) -> pd.DataFrame:
