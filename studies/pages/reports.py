@@ -93,7 +93,8 @@ class Reports:
     @property
     def targets(self) -> pd.DataFrame:
         """What was asked of the package default and its lattice differences, with the study."""
-        names = "|".join([PACKAGE.name, *(method.name for method in LATTICE.values())])
+        every = [PACKAGE.name, "the default", *(method.name for method in LATTICE.values())]
+        names = "|".join(every)
         found = []
         for name in self.names:
             claims = select(self[name].claims, source="asked")

@@ -17,6 +17,7 @@ import sphsolid as sph
 from sphsolid.cloud.pairs.pair_operator import PairOperator
 from sphsolid.fields import components
 from sphsolid.scheme import fine_scale, galerkin, pressure, time_step
+from sphsolid.scheme.restraint_term import CYCLE, PUSHES
 from sphsolid.scheme.supg import SUPGTerm
 from sphsolid.scheme.tile import make_scratch
 from studies.speed import counting
@@ -168,27 +169,36 @@ class Needs:
 def lean_needs(sim: sph.Simulation) -> Needs:
     """What a step of the displacement form with a restraint must do at least, however it is fused.
 
-    Two sweeps: positions and velocities give a stress, and all three give the next ones.  Each
-    array is read and written once a sweep; off a lattice the operator is read in both.  Operations
-    are the gradients of positions and of velocities, the stress, the divergence, and the restraint:
-    on lattice lines a fourth difference of five terms of both along three axes, and its adjoint;
-    elsewhere of every pair of it both mean gradients times the pair's arm, and back.
+    Two sweeps: positions give a stress, and both give the next positions and momenta.  Each array
+    is read and written once a sweep; off a lattice the operator is read in both.  Operations are
+    the gradient, the stress, the divergence, and the restraint: on lattice lines a fourth
+    difference of five terms along three axes, and its adjoint; elsewhere of every pair of it the
+    mean gradient times the pair's arm, and back.  Where the viscosity acts, the velocities need a
+    gradient and a restraint of their own: in the mean over its rhythm.
     """
-    n = sim.cloud.size
+    n, both = sim.cloud.size, 1.0 + viscous_share(sim)
     field, tensor = 3.0 * _DOUBLE, 9.0 * _DOUBLE
-    moved = (2.0 * field + 2.0 * tensor) + (2.0 * field + tensor + 4.0 * field)
+    moved = (both * field + tensor) + (both * field + tensor + 4.0 * field)
     work = float(counting.stress_operations(sim.scene.material, has_H=False, has_J=False))
     if isinstance(sim.operator, sph.LatticeDifference):
         # A line has ``order`` terms, each a product and a sum for three components.
-        work += 3.0 * 6.0 * 3.0 * sim.operator.order + 2.0 * 2.0 * 2.0 * 5.0 * 9.0
+        work += (1.0 + both) * 6.0 * 3.0 * sim.operator.order + both * 2.0 * 2.0 * 5.0 * 9.0
         return Needs(n * work, n * moved)
     A = sim.cloud.kinematic
     # Edges of cells: about three a particle, seen from either end.
     edges = 6.0 * n
     return Needs(
-        n * work + 3.0 * 18.0 * pairs_of(A) + 2.0 * 2.0 * 18.0 * edges,
+        n * work + (1.0 + both) * 18.0 * pairs_of(A) + both * 2.0 * 18.0 * edges,
         n * moved + 2.0 * bytes_of(A),
     )
+
+
+def viscous_share(sim: sph.Simulation) -> float:
+    """In which share of the steps the viscosity of a restraint acts."""
+    restraint: Any = sim.stabilisation
+    if restraint.viscosity == 0.0:
+        return 0.0
+    return len(PUSHES) / CYCLE if restraint.spaced else 1.0
 
 
 def update_bytes(sim: sph.Simulation) -> float:
