@@ -11,7 +11,7 @@ values gathered through an index list and the multiply-adds done with them,
     particles:  gradient of v, force, geometry for the projection; at the secondary particles the
                 fine-scale stress and back; with tau_p the residual of momentum and back;
     restraint:  F and force; positions and velocities of the near pairs, or of the lines of a
-                lattice, with F and its rate of the pairs, and back;
+                lattice, with F and its rate of the pairs, and back, where its viscosity acts;
     elements:   positions of the nodes, deformation and force at the Gauss points, and back;
 
 and the fields that are streamed through, whose number a formulation decides: value, rate and start
@@ -32,6 +32,7 @@ from sphsolid.compiled import set_threads, threads
 from sphsolid.geometry.edges import edges_of
 from sphsolid.scenes import Scene
 from studies.engine.case import Row
+from studies.measures.rhythm import cycle
 from studies.methods import Elements, Method
 from studies.pareto.problems import PROBLEMS
 
@@ -54,10 +55,14 @@ class StepCost:
 
 
 def step_cost(sim: Any, *, window_s: float, repeats: int) -> StepCost:
-    """Time ``repeats`` windows of about ``window_s`` CPU seconds; at least two steps each."""
+    """Time ``repeats`` windows of about ``window_s`` CPU seconds; at least two steps each.
+
+    A window holds whole cycles (see :mod:`studies.measures.rhythm`).
+    """
     sim.advance(sim.stable_time_step())
-    guess = _cpu_seconds(sim, 2)
-    steps = max(2, round(window_s / guess))
+    whole = cycle(sim)
+    guess = _cpu_seconds(sim, max(2, whole))
+    steps = whole * max(-(-2 // whole), round(window_s / guess / whole))
     found = [_cpu_seconds(sim, steps) for _ in range(repeats)]
     least = min(found)
     return StepCost(least, max(found) / least - 1.0, repeats, steps)

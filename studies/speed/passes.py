@@ -17,9 +17,9 @@ import sphsolid as sph
 from sphsolid.cloud.pairs.pair_operator import PairOperator
 from sphsolid.fields import components
 from sphsolid.scheme import fine_scale, galerkin, pressure, time_step
-from sphsolid.scheme.restraint_term import CYCLE, PUSHES
 from sphsolid.scheme.supg import SUPGTerm
 from sphsolid.scheme.tile import make_scratch
+from studies.measures.rhythm import viscous_share
 from studies.speed import counting
 
 _DOUBLE = 8
@@ -191,14 +191,6 @@ def lean_needs(sim: sph.Simulation) -> Needs:
         n * work + (1.0 + both) * 18.0 * pairs_of(A) + both * 2.0 * 18.0 * edges,
         n * moved + 2.0 * bytes_of(A),
     )
-
-
-def viscous_share(sim: sph.Simulation) -> float:
-    """In which share of the steps the viscosity of a restraint acts."""
-    restraint: Any = sim.stabilisation
-    if restraint.viscosity == 0.0:
-        return 0.0
-    return len(PUSHES) / CYCLE if restraint.spaced else 1.0
 
 
 def update_bytes(sim: sph.Simulation) -> float:

@@ -15,8 +15,8 @@ import sphsolid as sph
 from sphsolid.compiled import set_threads
 from sphsolid.defaults import is_restraint
 from sphsolid.scenes import swinging_cube, twisting_column
-from sphsolid.scheme.restraint_term import CYCLE
 from studies.engine.case import Row
+from studies.measures.rhythm import cycle
 from studies.measures.run import run
 from studies.methods import PAPER, Method
 from studies.speed import machine
@@ -49,9 +49,8 @@ def _fastest(timed: Callable[[], object], repeats: int = REPEATS) -> float:
 
 def _of_step(sim: Any, size: int, threads: int, work: float) -> float:
     """Seconds of a step, timed over many."""
-    # Whole cycles, or the fastest would be those in which a spaced viscosity rests.
-    cycles = max(1, min(100, int(work * threads / size)) // CYCLE)
-    steps = cycles * CYCLE
+    steps = min(100, max(2, int(work * threads / size)))
+    steps = cycle(sim) * -(-steps // cycle(sim))
 
     def several() -> None:
         for _ in range(steps):
