@@ -1,7 +1,7 @@
 """After how many steps a solver has done all that a step may hold.
 
-The viscosity of a restraint acts in some of its steps only.  Whoever times steps takes whole cycles:
-the fastest of fewer would be those in which it rests.
+The viscosity of a restraint acts in some of its steps only.  Whoever times steps takes whole
+cycles: the fastest of fewer would be those in which it rests.
 """
 
 from __future__ import annotations
