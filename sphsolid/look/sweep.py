@@ -13,7 +13,9 @@ from sphsolid.look.curves import label
 from sphsolid.look.drawing import Drawing
 from sphsolid.look.style import BLACK, BLUE, GREEN, ORANGE, PURPLE, SKY, VERMILION, style
 
-_LINES, _MARKERS = ("-", "--", ":", "-."), "osD^vP*X"
+# Any: which names matplotlib's types allow differs between its versions.
+_LINES: tuple[Any, ...] = ("-", "--", ":", "-.")
+_MARKERS = "osD^vP*X"
 #: Yellow is hard to see as a line.
 _COLOURS = (ORANGE, SKY, GREEN, BLUE, VERMILION, PURPLE, BLACK)
 Members = Sequence[tuple[Mapping[str, str], Mapping[str, Sequence[float]]]]
