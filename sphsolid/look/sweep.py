@@ -13,6 +13,7 @@ from sphsolid.look.curves import label
 from sphsolid.look.drawing import Drawing
 from sphsolid.look.style import BLACK, BLUE, GREEN, ORANGE, PURPLE, SKY, VERMILION, style
 
+# Any: which names matplotlib's types allow differs between its versions.
 _LINES: tuple[Any, ...] = ("-", "--", ":", "-.")
 _MARKERS = "osD^vP*X"
 #: Yellow is hard to see as a line.

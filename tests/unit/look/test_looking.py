@@ -272,3 +272,18 @@ print(sph.animate(folder, path="a.gif"))
 """
     assert python(text, tmp_path, MPLCONFIGDIR=str(tmp_path)).strip() == "a.gif"
     assert (tmp_path / "p.png").stat().st_size > 1000
+
+
+# ---------------------------------------------------------------------- what may be installed
+def test_a_body_for_pyvista(ran):
+    pyvista = pytest.importorskip("pyvista")
+    from sphsolid.look.window import grid_of
+
+    for method in ("sph", "fem"):
+        frame = read_frame(frame_files(ran[method].folder)[-1][1])
+        grid = grid_of(frame, "von_mises")
+        assert isinstance(grid, pyvista.UnstructuredGrid)
+        assert (grid.n_points, grid.n_cells) == (len(frame.X), len(frame.mesh.cells))
+        np.testing.assert_array_equal(grid.points, frame.x)
+        np.testing.assert_array_equal(grid.point_data["von_mises"], frame.at_vertices("von_mises"))
+        assert (grid.compute_cell_sizes()["Volume"] > 0.0).all()
