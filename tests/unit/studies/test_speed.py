@@ -63,7 +63,7 @@ def test_a_step_of_the_default_is_timed_as_a_whole(jitter):
     # Two sweeps over positions, and over velocities in four steps of fifteen; a stress is written
     # and read; two fields are read and written; off a lattice the operator is read.
     least = 8.0 * (2 * 3 * (1 + 4 / 15) + 2 * 9 + 2 * 2 * 3)
-    assert row["traffic_per_particle"] >= pytest.approx(least)
+    assert row["traffic_per_particle"] > 0.999 * least
     assert (row["traffic_per_particle"] > 1.01 * least) == bool(jitter)
 
 
