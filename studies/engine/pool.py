@@ -8,23 +8,18 @@ while workers are wanted, since the thread count is read when a process compiles
 from __future__ import annotations
 
 import hashlib
-import multiprocessing
-import os
-import signal
-import threading
 import time
 from collections import deque
-from collections.abc import Callable, Generator, Iterator, Sequence
+from collections.abc import Callable, Generator, Sequence
 from concurrent.futures import (
     FIRST_COMPLETED,
     BrokenExecutor,
     Executor,
     Future,
-    ProcessPoolExecutor,
     wait,
 )
 from concurrent.futures.process import BrokenProcessPool
-from contextlib import contextmanager, suppress
+from contextlib import suppress
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -32,6 +27,7 @@ import numba
 
 from sphsolid.compiled import CACHE_DIR
 from sphsolid.record.display import duration
+from sphsolid.shell.pools import processes
 from studies.engine.case import Case, Outcome, case_hash, execute
 from studies.engine.provenance import cpu_model
 
@@ -129,7 +125,7 @@ class Processes:
             alone = bool(suspects)
             queue = suspects if alone else waiting
             broken: list[Case] = []
-            with _pool(1 if alone else self.at_once, self.threads) as pool:
+            with processes(1 if alone else self.at_once, threads=self.threads) as pool:
                 running: dict[Future[Outcome], Case] = {}
                 while (queue or running) and not broken:
                     while queue and len(running) < (1 if alone else self.at_once):
@@ -174,48 +170,6 @@ def unable(case: Case, error: Exception) -> Outcome:
     return Outcome(
         case.key, float("nan"), failure=type(error).__name__, message=f"no worker ran it: {error}"
     )
-
-
-@contextmanager
-def _pool(jobs: int, threads: int) -> Iterator[ProcessPoolExecutor]:
-    """Workers with ``threads`` kernel threads; none is left behind, whatever happens."""
-    # Linear algebra too: several processes whose threads wait for each other by spinning took
-    # thirty times as long for the dense spectra.
-    counts = ("NUMBA_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
-    environment = dict.fromkeys(counts, str(threads)) | {"OMP_PROC_BIND": "false"}
-    before = {name: os.environ.get(name) for name in environment}
-    os.environ.update(environment)
-    others = set(multiprocessing.active_children())
-    pool = ProcessPoolExecutor(
-        jobs, mp_context=multiprocessing.get_context("spawn"), initializer=_prepare_worker
-    )
-    try:
-        yield pool
-        pool.shutdown()
-    except BaseException:
-        for worker in set(multiprocessing.active_children()) - others:
-            worker.terminate()
-        pool.shutdown(wait=True, cancel_futures=True)
-        raise
-    finally:
-        for name, value in before.items():
-            if value is None:
-                os.environ.pop(name, None)
-            else:
-                os.environ[name] = value
-
-
-def _prepare_worker() -> None:
-    """Leave Ctrl-C to the parent, and do not outlive it."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-    threading.Thread(target=_follow_parent, daemon=True).start()
-
-
-def _follow_parent() -> None:
-    parent = multiprocessing.parent_process()
-    while parent is not None and parent.is_alive():
-        time.sleep(1.0)
-    os._exit(1)
 
 
 def warm_up(cases: Sequence[Case], *, threads: int, say: Callable[[str], None]) -> None:

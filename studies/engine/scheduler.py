@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import hashlib
-import importlib.util
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -11,13 +10,10 @@ from dataclasses import dataclass
 import numba
 
 from sphsolid.compiled import set_threads, source_hash
-from sphsolid.errors import InputError, require
+from sphsolid.shell.pools import cluster
 from studies.engine.case import Case, Outcome, execute
 from studies.engine.pool import OnExecutor, Workers
 from studies.engine.sources import ROOT
-
-#: Seconds to wait for a scheduler that does not answer.
-PATIENCE = 10
 
 
 def _sources() -> str:
@@ -40,29 +36,9 @@ def on_cluster(address: str, *, jobs: int | None = None, threads: int = 1) -> It
     workers if left out.  A case whose worker is killed is given to other workers as often as the
     scheduler allows (``distributed.scheduler.allowed-failures``), and then fails alone.
     """
-    require(
-        importlib.util.find_spec("distributed") is not None,
-        f"--scheduler {address} needs dask.distributed: pip install 'sphsolid[cluster]'",
-    )
-    from distributed import Client, KilledWorker
-
-    try:
-        client = Client(address, timeout=PATIENCE)
-    except (OSError, ValueError) as error:
-        raise InputError(
-            f"--scheduler {address}: no Dask scheduler answers within {PATIENCE} s ({error}); "
-            "start one with `dask scheduler` and workers with `dask worker ADDRESS --nthreads 1`"
-        ) from error
-    with client:
-        counts = list(client.nthreads().values())
-        require(
-            set(counts) == {1},
-            f"--scheduler {address}: {len(counts)} workers with {counts} threads; there must be "
-            "some, started with `dask worker ADDRESS --nworkers N --nthreads 1`",
-        )
-        # Equal cases are different work: pure=False keeps Dask from handing out an old result.
-        with client.get_executor(pure=False) as executor:
-            yield OnExecutor(executor, jobs or len(counts), KilledWorker, OnWorker(threads))
+    with cluster(address) as found:
+        at_once = jobs or found.workers
+        yield OnExecutor(found.executor, at_once, found.killed, OnWorker(threads))
 
 
 @dataclass(frozen=True)
