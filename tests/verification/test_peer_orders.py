@@ -1,4 +1,4 @@
-"""Orders of the methods of others on the swinging cube: a floor of the slope and a cap of the error.
+"""Orders of the methods of others on the swinging cube: floors of slopes and caps of errors.
 
 Floors are those of 1/4 to 1/8 in the linear limit, TVD-RK2 at CFL 0.3, nu = 0.3, A+B+C=0; on finer
 lattices slopes go on to 2 where the operator is consistent, and do not where it is not.
