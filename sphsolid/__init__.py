@@ -19,6 +19,7 @@ from sphsolid.geometry import MeshFile, PointCloud
 from sphsolid.look import animate, compare
 from sphsolid.recommendation import recommend
 from sphsolid.scheme import (
+    JST,
     PF,
     PFHJ,
     PFJ,
@@ -34,6 +35,7 @@ from sphsolid.scheme import (
     FilteredDilatation,
     FullHessian,
     Given,
+    HourglassControl,
     LocalProjection,
     NoProjection,
     NoStabilisation,
@@ -48,6 +50,7 @@ from sphsolid.scheme import (
     SimplifiedHessian,
     StabilisedStrains,
     SymplecticRKN4,
+    Upwind,
 )
 from sphsolid.simulation import Simulation
 
@@ -56,6 +59,7 @@ __version__ = "0.1.0"
 __all__ = [
     "H1",
     "H6",
+    "JST",
     "PF",
     "PFHJ",
     "PFJ",
@@ -76,6 +80,7 @@ __all__ = [
     "FoldingWarning",
     "FullHessian",
     "Given",
+    "HourglassControl",
     "InputError",
     "LatticeDifference",
     "Literal",
@@ -101,6 +106,7 @@ __all__ = [
     "SummationByParts",
     "SymplecticRKN4",
     "T1",
+    "Upwind",
     "WendlandC2",
     "__version__",
     "animate",

@@ -25,7 +25,7 @@ from sphsolid.record import Solver
 from sphsolid.scenes import Scene
 from sphsolid.scheme.intrinsic_time import IntrinsicTime, as_time
 from sphsolid.scheme.stabilisation import Stabilisation
-from studies.engine.plotting import BLACK, BLUE, GREEN, ORANGE, PURPLE, SKY, VERMILION
+from studies.engine.plotting import BLACK, BLUE, GREEN, ORANGE, PURPLE, SKY, VERMILION, YELLOW
 
 
 class Recipe(Protocol):
@@ -236,6 +236,24 @@ UNSTABILISED = SUPG.but(
 DISPLACEMENT = UNSTABILISED.but(
     name="displacement SPH", colour=ORANGE, marker="X", formulation=sph.Displacement()
 )
+#: Displacement SPH as people run it: springs of pairs against hourglass modes, on our operators ...
+HOURGLASS = DISPLACEMENT.but(
+    name="hourglass-controlled SPH", colour=SKY, marker="d", stabilisation=sph.HourglassControl(),
+)  # fmt: skip
+#: ... and with the gradient, kernel and smoothing length of the codes that ship it.
+HOURGLASS_AS_SHIPPED = HOURGLASS.but(
+    name="hourglass-controlled SPH, as shipped", marker="D", operator=sph.Literal("kernel"),
+    smoothing=sph.CubicSpline(), h_over_dx=2.0**0.5,
+)  # fmt: skip
+#: Earlier methods of the paper's authors, with their integrator and step.
+JST = PAPER.but(
+    name="JST-SPH", colour=YELLOW, marker="v", stabilisation=sph.JST(), smoothing=sph.CubicSpline(),
+    h_over_dx=1.0, angular_momentum=sph.NoProjection(),
+)  # fmt: skip
+UPWIND = JST.but(name="upwind SPH", colour=GREEN, marker="^", stabilisation=sph.Upwind())
+UPWIND_LIMITED = UPWIND.but(
+    name="upwind SPH, limited", marker="<", stabilisation=sph.Upwind("limited")
+)
 B_BAR = Method("B-bar FEM", "B-bar FEM", BLACK, "D", Elements(), line="-.")
 TAYLOR_HOOD = Method(
     "Taylor-Hood FEM", "Taylor-Hood FEM", SKY, "P",
@@ -245,7 +263,8 @@ TAYLOR_HOOD = Method(
 METHODS: dict[str, Method] = {
     method.name: method
     for method in (
-        PACKAGE, *LATTICE.values(), SUPG, PAPER, UNSTABILISED, DISPLACEMENT, B_BAR, TAYLOR_HOOD,
+        PACKAGE, *LATTICE.values(), SUPG, PAPER, UNSTABILISED, DISPLACEMENT, HOURGLASS,
+        HOURGLASS_AS_SHIPPED, JST, UPWIND, UPWIND_LIMITED, B_BAR, TAYLOR_HOOD,
     )
 }  # fmt: skip
 

@@ -65,6 +65,31 @@ def corrected_gradient(
     return V[:, None] * np.einsum("pij,pj->pi", L[row], shepard)
 
 
+def kernel_gradient(
+    points: Array,
+    particles: Array,
+    volumes: Array,
+    pairs: PairList,
+    smoothing: SmoothingFunction,
+    h: float | Array,
+) -> Array:
+    """``G_b(X) (P, 3)`` [1/m]: the corrected gradient of the kernel itself, [Randles1996].
+
+    ``sum_b f_b (x) G_b = sum_b V_b (f_b - f_a) (x) L_a grad W_b`` with ``L_a`` such that linear
+    fields are exact: what is usual in total-Lagrangian SPH.  ``points`` are the ``particles``.
+    """
+    row = pairs.row_of_pair
+    d = offsets(points, particles, pairs)
+    r = np.linalg.norm(d, axis=1)
+    # d points from a to b, where the kernel falls.
+    slope = smoothing.slope(r, h) / np.where(r > 0.0, r, 1.0)
+    weighted = -(volumes[pairs.indices] * slope)[:, None] * d
+    L = np.linalg.inv(row_sum(pairs, weighted[:, :, None] * d[:, None, :]))
+    G = np.einsum("pij,pj->pi", L[row], weighted)
+    G[pairs.indices == row] = -row_sum(pairs, G)
+    return np.asarray(G)
+
+
 def linear_kernel_gradient(
     points: Array,
     particles: Array,

@@ -17,7 +17,12 @@ from numpy.typing import NDArray
 
 from sphsolid.cloud.boundary_weights import quadratically_exact_areas
 from sphsolid.cloud.consistent import least_change
-from sphsolid.cloud.gradient import corrected_gradient, linear_kernel_gradient, offsets
+from sphsolid.cloud.gradient import (
+    corrected_gradient,
+    kernel_gradient,
+    linear_kernel_gradient,
+    offsets,
+)
 from sphsolid.cloud.lengths import Lengths
 from sphsolid.cloud.pairs.neighbours import PairList
 from sphsolid.cloud.smoothing import SmoothingFunction
@@ -28,10 +33,11 @@ from sphsolid.geometry.mesh import Mesh
 from sphsolid.protocols import check_protocol
 
 Array = NDArray[np.float64]
-GradientKind = OneOf["corrected_kernel", "linear_kernel"]
+GradientKind = OneOf["corrected_kernel", "linear_kernel", "kernel"]
 _GRADIENTS = {
     "corrected_kernel": corrected_gradient,
     "linear_kernel": linear_kernel_gradient,
+    "kernel": kernel_gradient,
 }
 
 
@@ -127,15 +133,18 @@ class Literal:
     """The paper as printed.
 
     ``gradient``: ``"corrected_kernel"`` is eq. (30); ``"linear_kernel"`` differentiates the
-    linear-corrected kernel analytically, the other reading of its text.
+    linear-corrected kernel analytically, the other reading of its text; ``"kernel"`` is the usual
+    one of total-Lagrangian SPH, which corrects the gradient and not the kernel ([Randles1996]).
     """
 
     gradient: GradientKind = "corrected_kernel"
 
     @property
     def name(self) -> str:
-        """``Literal``, or ``Literal(linear kernel)``."""
-        return "Literal" if self.gradient == "corrected_kernel" else "Literal(linear kernel)"
+        """``Literal``, ``Literal(linear kernel)`` or ``Literal(kernel)``."""
+        if self.gradient == "corrected_kernel":
+            return "Literal"
+        return f"Literal({self.gradient.replace('_', ' ')})"
 
     def build(self, cloud: Ingredients) -> Gradients:
         """The gradient, used for kinematics and force."""

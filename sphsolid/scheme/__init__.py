@@ -2,9 +2,11 @@
 
 from sphsolid.scheme.dilatation import Dilatation, FilteredDilatation, OwnDilatation
 from sphsolid.scheme.formulation import PF, PFHJ, PFJ, PJ, Displacement, Formulation
+from sphsolid.scheme.hourglass_control import HourglassControl
 from sphsolid.scheme.initial_strain import Compatible, Equilibrated, Given, InitialStrain
 from sphsolid.scheme.integrator import Integrator, Stepper
 from sphsolid.scheme.intrinsic_time import IntrinsicTime, OfMesh, OfStep
+from sphsolid.scheme.jst import JST
 from sphsolid.scheme.operator import Operator
 from sphsolid.scheme.position_verlet import PositionVerlet
 from sphsolid.scheme.projection import LocalProjection, NoProjection
@@ -27,8 +29,10 @@ from sphsolid.scheme.state import Field, State
 from sphsolid.scheme.symplectic_rkn4 import SymplecticRKN4
 from sphsolid.scheme.term import Term, TermOption
 from sphsolid.scheme.tvd_rk2 import TVDRK2
+from sphsolid.scheme.upwind import Upwind
 
 __all__ = [
+    "JST",
     "PF",
     "PFHJ",
     "PFJ",
@@ -47,6 +51,7 @@ __all__ = [
     "FilteredDilatation",
     "FullHessian",
     "Given",
+    "HourglassControl",
     "InitialStrain",
     "Integrator",
     "IntrinsicTime",
@@ -74,4 +79,5 @@ __all__ = [
     "SymplecticRKN4",
     "Term",
     "TermOption",
+    "Upwind",
 ]

@@ -105,8 +105,11 @@ class StageBudget:
 
     @property
     def by_name(self) -> dict[str, float]:
-        """Works [J] by name."""
-        return dict(zip(self.names, self.works.tolist(), strict=True))
+        """Works [J] by name; those of two terms that share one are added up."""
+        works = dict.fromkeys(self.names, 0.0)
+        for name, work in zip(self.names, self.works.tolist(), strict=True):
+            works[name] += work
+        return works
 
     @property
     def traction_impulse(self) -> Array:

@@ -79,13 +79,13 @@ def _dyad(u: Vector, v: Vector) -> Tensor:
 
 
 @inlined
-def _apart(f: Any, a: Any, b: Any) -> Vector:
+def apart(f: Any, a: Any, b: Any) -> Vector:
     """``f_b - f_a`` of a vector field."""
     return (f[0, b] - f[0, a], f[1, b] - f[1, a], f[2, b] - f[2, a])
 
 
 @inlined
-def _mean(f: Any, A: Tensor, b: Any) -> Tensor:
+def mean_with(f: Any, A: Tensor, b: Any) -> Tensor:
     """``(A + f_b) / 2``, ``A = f_a``."""
     return scale(0.5, add(A, tensor_of(f, b)))
 
@@ -102,16 +102,16 @@ def restrain(near, parts, measured, direct, P):  # type: ignore[no-untyped-def]
         L_a = tensor_of(L, a) if damped else F_a
         for k in range(near.indptr[a], near.indptr[a + 1]):
             b = near.indices[k]
-            X = _apart(near.X, a, b)
-            F_m = _mean(F, F_a, b)
-            e = unseen(F_m, X, _apart(x, a, b))
+            X = apart(near.X, a, b)
+            F_m = mean_with(F, F_a, b)
+            e = unseen(F_m, X, apart(x, a, b))
             square = X[0] * X[0] + X[1] * X[1] + X[2] * X[2]
             r2 = (e[0] * e[0] + e[1] * e[1] + e[2] * e[2]) / square
             c = near.volume[k] / square * (parts.quartic * r2 + parts.elastic)
             t0, t1, t2 = c * e[0], c * e[1], c * e[2]
             if damped:
-                L_m = _mean(L, L_a, b)
-                s = rate(F_m, L_m, unseen(L_m, X, _apart(v, a, b)), e)
+                L_m = mean_with(L, L_a, b)
+                s = rate(F_m, L_m, unseen(L_m, X, apart(v, a, b)), e)
                 c = near.volume[k] / math.sqrt(square) * parts.viscosity
                 w0, w1, w2 = c * s[0], c * s[1], c * s[2]
                 t0 += F_m[0] * w0 + F_m[1] * w1 + F_m[2] * w2
@@ -148,17 +148,17 @@ def energies(near, parts, measured, given, out):  # type: ignore[no-untyped-def]
         F_a = tensor_of(F, a)
         for k in range(near.indptr[a], near.indptr[a + 1]):
             b = near.indices[k]
-            X = _apart(near.X, a, b)
-            F_m = _mean(F, F_a, b)
-            e = unseen(F_m, X, _apart(x, a, b))
+            X = apart(near.X, a, b)
+            F_m = mean_with(F, F_a, b)
+            e = unseen(F_m, X, apart(x, a, b))
             square = X[0] * X[0] + X[1] * X[1] + X[2] * X[2]
             r2 = (e[0] * e[0] + e[1] * e[1] + e[2] * e[2]) / square
             stored += near.volume[k] * (0.25 * parts.quartic * r2 + 0.5 * parts.elastic) * r2
             if damped:
-                L_m = _mean(L, tensor_of(L, a), b)
-                s = rate(F_m, L_m, unseen(L_m, X, _apart(v, a, b)), e)
-                L_m = _mean(L_given, tensor_of(L_given, a), b)
-                other = rate(F_m, L_m, unseen(L_m, X, _apart(v_given, a, b)), e)
+                L_m = mean_with(L, tensor_of(L, a), b)
+                s = rate(F_m, L_m, unseen(L_m, X, apart(v, a, b)), e)
+                L_m = mean_with(L_given, tensor_of(L_given, a), b)
+                other = rate(F_m, L_m, unseen(L_m, X, apart(v_given, a, b)), e)
                 c = near.volume[k] / math.sqrt(square) * parts.viscosity
                 taken -= c * (s[0] * other[0] + s[1] * other[1] + s[2] * other[2])
         out[a, 0] = 0.5 * stored

@@ -26,7 +26,7 @@ Array = NDArray[np.float64]
 
 
 @kernel
-def _powers_of_J(material, V, F, H, J, D_J, out):  # type: ignore[no-untyped-def]
+def powers_of_J(material, V, F, H, J, D_J, out):  # type: ignore[no-untyped-def]
     """``V Sigma_J D(J)  (N,)`` [W]."""
     for a in prange(len(V)):
         F_a = load(F, a)
@@ -101,7 +101,7 @@ class SUPGTerm(Term):
         D_J, powers = scalar_field(size), np.empty(size)
         self._sums.volume_dissipation(self.flux, D_J)
         s = stage.state
-        _powers_of_J(self._material, V, s.F, s.H, s.J, D_J, powers)
+        powers_of_J(self._material, V, s.F, s.H, s.J, D_J, powers)
         return by_p, float(np.sum(powers))
 
     def dissipation(self, stage: Stage) -> Array:

@@ -42,7 +42,9 @@ _SECONDARY = (sph.H1, sph.H6, sph.T1, sph.Agglomerated)
 #: Keywords of the particle method that are objects.
 SPH: dict[str, Named] = {
     "formulation": _by_name(sph.PF, sph.PFJ, sph.PFHJ, sph.PJ, sph.Displacement),
-    "stabilisation": _by_name(sph.Restraint, sph.SUPG, sph.NoStabilisation),
+    "stabilisation": _by_name(
+        sph.Restraint, sph.SUPG, sph.JST, sph.Upwind, sph.HourglassControl, sph.NoStabilisation
+    ),
     "dilatation": _by_name(sph.FilteredDilatation, sph.OwnDilatation),
     "operator": _by_name(
         sph.LatticeDifference, sph.Consistent, sph.SummationByParts, sph.Literal

@@ -21,6 +21,7 @@ FIELDS = {
     "article": ("journal", "volume", "pages"),
     "book": ("publisher",),
     "incollection": ("booktitle", "publisher", "pages"),
+    "inproceedings": ("booktitle",),
 }
 
 Documented = ast.Module | ast.ClassDef | ast.FunctionDef | ast.AsyncFunctionDef
