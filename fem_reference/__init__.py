@@ -5,7 +5,8 @@ scikit-fem supplies mesh, shape functions and quadrature once; the time loop run
 
 from fem_reference.b_bar_hex import BBarHex
 from fem_reference.dilatation import ConsistentMass, LumpedMass
+from fem_reference.full_hex import FullHex
 from fem_reference.simulation import Simulation
 from fem_reference.taylor_hood_hex import TaylorHoodHex
 
-__all__ = ["BBarHex", "ConsistentMass", "LumpedMass", "Simulation", "TaylorHoodHex"]
+__all__ = ["BBarHex", "ConsistentMass", "FullHex", "LumpedMass", "Simulation", "TaylorHoodHex"]
