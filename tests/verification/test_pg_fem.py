@@ -11,6 +11,8 @@ import numpy as np
 import pytest
 
 import fem_reference as fem
+from sphsolid.continuum import law
+from sphsolid.continuum.tensor import join, split
 from sphsolid.errors import Diverged, InputError
 from sphsolid.record import Errors, period_errors
 from sphsolid.scenes import Scene, swinging_cube
@@ -44,6 +46,78 @@ def test_affine_motion_has_no_rates_and_no_dissipation(cells: Any) -> None:
     assert abs(powers["dissipation_p"]) < 1e-12 * rate
     assert abs(powers["dissipation_J"]) < 1e-12 * rate
     assert abs(powers["adjoint_defect"]) < 1e-11 * rate
+
+
+def rates_said_again(sim: Any, tau: dict[str, float], xi: dict[str, float]) -> tuple[Any, Any]:
+    """``dp/dt`` and ``d(F, H, J)/dt`` of a free body by the text of ``pg_fem``, in plain numpy."""
+    tables, V, rho = sim._cells.cells.tables, sim._volumes, sim.material.density
+    nodes, N = tables.nodes.astype(int), tables.N
+    G = np.broadcast_to(tables.G, (len(nodes), *tables.G.shape[1:]))
+    w = np.broadcast_to(tables.w, (len(nodes), tables.w.shape[1]))
+    S = sim._strains
+    F, H, J = S[:, :9].reshape(-1, 3, 3), S[:, 9:18].reshape(-1, 3, 3), S[:, 18]
+
+    def at_points(f: Any) -> Any:
+        return np.einsum("qn,en...->eq...", N, f[nodes])
+
+    def gradient(f: Any) -> Any:
+        return np.einsum("eni,eqnk->eqik", f[nodes], G)
+
+    def to_nodes(f: Any) -> Any:
+        given, total = np.einsum("eq,qn,eq...->en...", w, N, f), np.zeros((len(V), *f.shape[2:]))
+        np.add.at(total, nodes, given)
+        return total / V.reshape(-1, *[1] * (f.ndim - 2))
+
+    def cross(A: Any, B: Any) -> Any:
+        e = np.zeros((3, 3, 3))
+        for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
+            e[i, j, k], e[i, k, j] = 1.0, -1.0
+        return np.einsum("ijk,IJK,...jJ,...kK->...iI", e, e, A, B)
+
+    def stress(F: Any, H: Any, J: Any) -> Any:
+        tensors = split(F), split(H)
+        return join(law.first_piola(sim.material, *tensors, J))
+
+    L, F_x = gradient(sim._v), gradient(sim._x)
+    F_q, H_q, J_q = at_points(F), at_points(H), at_points(J)
+    dF, dH, dJ = L, cross(F_q, L), np.sum(H_q * L, axis=(2, 3))
+    rates = to_nodes(dF), to_nodes(dH), to_nodes(dJ)
+    F_st = F_q + tau["F"] * (dF - at_points(rates[0])) + xi["F"] * (F_x - F_q)
+    cof = 0.5 * cross(F_x, F_x)
+    H_st = H_q + tau["H"] * (dH - at_points(rates[1])) + xi["H"] * (cof - H_q)
+    J_st = J_q + tau["J"] * (dJ - at_points(rates[2])) + xi["J"] * (np.linalg.det(F_x) - J_q)
+    P = stress(F_st, H_st, J_st)
+    pushed = np.zeros_like(sim._x)
+    np.add.at(pushed, nodes, -np.einsum("eq,eqik,eqnk->eni", w, P, G))
+    p_dot = pushed / V[:, None]
+    R = np.einsum("enik,eqnk->eqi", stress(F, H, J)[nodes], G) - at_points(p_dot)
+    flux = -tau["p"] / rho * np.einsum("eq,eqji,eqj->eqi", w, H_q, R)
+    D_J = np.zeros(len(V))
+    np.add.at(D_J, nodes, np.einsum("eqnk,eqk->en", G, flux))
+    parts = rates[0].reshape(-1, 9), rates[1].reshape(-1, 9), (rates[2] + D_J / V)[:, None]
+    return p_dot, np.concatenate(parts, axis=1)
+
+
+@pytest.mark.parametrize("cells", CELLS)
+def test_all_rates_are_those_of_the_text_said_again_in_numpy(cells: Any) -> None:
+    sim = simulation(
+        stretched_block(loaded=False, jitter=0.2), cells, tau_F=0.7, tau_p=0.3, projects=False,
+        **ALL,
+    )
+    random, dt = np.random.default_rng(11), 1e-4
+    sim._v[:] = 20.0 * random.normal(size=sim._v.shape)
+    sim._x += 0.01 * random.normal(size=sim._x.shape)
+    sim._strains += 0.01 * random.normal(size=sim._strains.shape)
+    sim._cells.begin_step(dt)
+    sim._evaluate(0.0)
+    tau = {"F": 0.7 * dt, "H": 0.5 * dt, "J": 0.5 * dt, "p": 0.3 * dt}
+    p_dot, strains_dot = rates_said_again(sim, tau, {"F": 0.1, "H": 0.1, "J": 0.1})
+    found = sim.material.density * sim._cells.v_dot
+    np.testing.assert_allclose(found, p_dot, rtol=0, atol=1e-12 * np.abs(p_dot).max())
+    for columns in (slice(0, 9), slice(9, 18), slice(18, 19)):
+        expected = strains_dot[:, columns]
+        size = np.abs(expected).max()
+        assert np.abs(sim._cells.strains_dot[:, columns] - expected).max() < 1e-12 * size
 
 
 @pytest.mark.parametrize("cells", CELLS)
