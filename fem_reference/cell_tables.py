@@ -146,7 +146,7 @@ def _with_nodes(
 ) -> CellTables:
     nodes = len(mesh.vertices)
     of_corner = np.broadcast_to(tables.w @ tables.N, tables.nodes.shape).ravel()
-    V = np.bincount(tables.nodes.ravel(), weights=of_corner, minlength=nodes)
+    V = np.bincount(tables.nodes.ravel(), weights=of_corner, minlength=nodes).astype(np.float64)
     start = np.zeros(nodes + 1, dtype=np.uint32)
     np.cumsum(np.bincount(tables.nodes.ravel(), minlength=nodes), out=start[1:])
     entries = np.argsort(tables.nodes.ravel(), kind="stable").astype(np.uint32)

@@ -79,7 +79,7 @@ class NodalPressureElements:
         self._volumes = volumes
         self._V = np.bincount(
             mesh.cells.ravel(), weights=np.repeat(0.25 * volumes, 4), minlength=len(X)
-        )
+        ).astype(np.float64)
         self._nodes = side_by_side(cells)
         self._inverse = side_by_side(inverse.reshape(-1, 9))
         self._lane_volumes = side_by_side(volumes)

@@ -1,7 +1,4 @@
-"""The nearest stress without a moment, [Lee2017] section 6: what both methods project with.
-
-    P^C = P + lambda x F_x,   lambda = L^-1 [E : (P F_x^T)],   L = tr(b) I - b,   b = F_x F_x^T.
-"""
+"""The nearest stress without a moment, [Lee2017] section 6: what both methods project with."""
 
 from __future__ import annotations
 

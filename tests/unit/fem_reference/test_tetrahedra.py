@@ -50,7 +50,7 @@ def test_tetrahedra_stay_and_a_flat_one_is_refused() -> None:
     mesh = TetBox().mesh(0.5)
     assert tetrahedra(mesh) is mesh
     flat = TetMesh(np.zeros((4, 3)), np.array([[0, 1, 2, 3]]), {}, 1.0, False)
-    with pytest.raises(InputError, match="tetrahedron 0 .* flat or inside out"):
+    with pytest.raises(InputError, match=r"tetrahedron 0 .* flat or inside out"):
         tetrahedra(flat)
 
 
