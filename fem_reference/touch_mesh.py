@@ -37,7 +37,7 @@ class Faces:
     X: Array
 
     def centroids(self, x: Array) -> Array:
-        """Where the centroids ``(f, 3)`` [m] of the faces are when the nodes are at ``x (N, 3)``."""
+        """The centroids ``(f, 3)`` [m] when the nodes are at ``x (N, 3)``."""
         return np.asarray(np.einsum("fn,fni->fi", self.shares, x[self.loops]))
 
     @property

@@ -1,4 +1,4 @@
-"""The finite volume method on a scene, with the surface of ``Simulation``; no formula but TVD-RK2."""
+"""The finite volume method on a scene, with the surface of ``Simulation``; only TVD-RK2 is here."""
 
 from __future__ import annotations
 

@@ -8,7 +8,7 @@ import pytest
 import fem_reference as fem
 from fem_reference.mesh import scikit_fem_tetrahedra
 from fem_reference.tetrahedra import tetrahedra
-from sphsolid.continuum import NeoHookean
+from sphsolid.continuum import NeoHookean, reference_p_wave_speed
 from sphsolid.errors import InputError
 from sphsolid.geometry.integrals import area_vectors
 from sphsolid.geometry.mesh import HexMesh, TetMesh
@@ -130,3 +130,20 @@ def test_a_free_body_keeps_momenta_and_energy() -> None:
             assert np.abs(column - column[0]).max() < 1e-12 * scale
     total = history["total_energy [J]"]
     assert np.abs(total / total[0] - 1.0).max() < 2e-3
+
+
+@pytest.mark.parametrize("nu", [0.0, 0.3, 0.499])
+def test_the_default_time_step_is_below_the_stability_limit(nu: float) -> None:
+    """``dt omega_max / 2 < 1`` at the default cfl of 0.6, by power iteration."""
+    material = NeoHookean.from_young(young_modulus=17e6, poisson_ratio=nu, density=1100.0)
+    elements = elements_of(material, 0.25)
+    mass, x = (1100.0 * elements.nodal_volumes)[:, None], elements.mesh.vertices
+    y = np.random.default_rng(1).normal(size=x.shape)
+    for _ in range(60):
+        y *= 1e-6 / np.sqrt(np.mean(y**2))
+        z = 0.5 * (force(elements, x + y) - force(elements, x - y)) / mass
+        omega = np.sqrt(np.sum(mass * y * z) / np.sum(mass * y * y))
+        y = z
+    force(elements, x)
+    dt = 0.6 * elements.smallest_length() / reference_p_wave_speed(material)
+    assert 0.2 < 0.5 * dt * omega < 0.75
