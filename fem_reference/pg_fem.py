@@ -34,6 +34,7 @@ from fem_reference.cell_tables import CellKind, CellTables, Tetrahedra
 from fem_reference.pg_fem_kernels import STRAINS, Coefficients, Fields
 from sphsolid.continuum import law
 from sphsolid.continuum.tensor import cofactor, determinant, join, split
+from sphsolid.continuum.wave_speed import moduli_at_rest
 from sphsolid.errors import InputError, require
 from sphsolid.geometry.mesh import Mesh
 from sphsolid.protocols import check_protocol
@@ -50,6 +51,12 @@ class PGFEM:
     ``tau_F, tau_H, tau_J, tau_p >= 0`` are multiples of the stable step of a run, whose last step
     before a record may be shorter; ``xi_F, xi_H, xi_J`` lie in [0, 0.5].  The values published are
     ``tau_F = 1``; the others are of this package.  Raises ``InputError`` for any other value.
+
+    At rest a residual ``r I`` of the gradients is answered by the stress ``r [3 (kappa + mu) xi_J -
+    mu (xi_F + 2 xi_H)] I``: without ``xi_J`` the wrong way, and likewise with ``tau``.  Where they
+    are None, ``xi_J = (xi_F + 2 xi_H) mu / kappa`` and ``tau_J = (tau_F + 2 tau_H) mu / kappa``,
+    which answer it as shear is answered; larger ones resist changes of volume of single points,
+    and lock.
     """
 
     cells: CellKind = TETRAHEDRA
@@ -58,8 +65,8 @@ class PGFEM:
     tau_p: float = 0.1
     tau_H: float = 0.0
     xi_H: float = 0.0
-    tau_J: float = 0.0
-    xi_J: float = 0.0
+    tau_J: float | None = None
+    xi_J: float | None = None
     projects: bool = True
 
     def __post_init__(self) -> None:
@@ -69,13 +76,13 @@ class PGFEM:
         for each in fields(self):
             value = getattr(self, each.name)
             top = {"tau": math.inf, "xi": 0.5}.get(each.name.split("_")[0])
-            if top is None:
+            if top is None or (value is None and each.name in ("tau_J", "xi_J")):
                 continue
             number = isinstance(value, int | float) and not isinstance(value, bool)
             require(
                 number and math.isfinite(value) and 0.0 <= value <= top,
                 f"PGFEM: {each.name} = {value!r} must be a number from 0 to {top:g}; tau_F = 1, "
-                "xi_F = 0.1, tau_p = 0.1 and 0 for the rest are usual",
+                "xi_F = 0.1, tau_p = 0.1 are usual",
             )
         if not isinstance(self.projects, bool):
             raise InputError(f"PGFEM: projects = {self.projects!r} must be True or False")
@@ -100,6 +107,8 @@ class PGFEMCells:
     def __init__(self, cells: CellTables, material: Any, options: PGFEM) -> None:
         self.cells, self.options = cells, options
         self.material = law.in_kernels(material)
+        mu, kappa = moduli_at_rest(material)
+        self._softness = mu / kappa
         nodes, (count, corners) = len(cells.V), cells.tables.nodes.shape
         self.v_dot = np.zeros((nodes, 3))
         self.strains_dot = np.zeros((nodes, STRAINS))
@@ -116,8 +125,11 @@ class PGFEMCells:
     def coefficients(self) -> Coefficients:
         """``tau`` [s] of the step begun last."""
         o, dt = self.options, self._step
-        taus = o.tau_F * dt, o.tau_H * dt, o.tau_J * dt
-        return Coefficients(*taus, o.xi_F, o.xi_H, o.xi_J, o.projects)
+        tau_J = (o.tau_F + 2.0 * o.tau_H) * self._softness if o.tau_J is None else o.tau_J
+        xi_J = (o.xi_F + 2.0 * o.xi_H) * self._softness if o.xi_J is None else o.xi_J
+        return Coefficients(
+            o.tau_F * dt, o.tau_H * dt, tau_J * dt, o.xi_F, o.xi_H, xi_J, o.projects
+        )
 
     @property
     def nbytes(self) -> int:

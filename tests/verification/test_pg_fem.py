@@ -179,6 +179,24 @@ def test_the_full_hessian_dissipates_at_random_velocities(cells: Any) -> None:
         assert cells_.stress_powers(X, v, strains)["dissipation_p"] < 0.0
 
 
+def test_a_dilation_of_single_points_is_answered_the_right_way() -> None:
+    """``P_st - P`` of a residual ``r I`` at rest, of time and of position, points along it."""
+    c = simulation(spinning_block(), fem.Tetrahedra())._cells
+    c.begin_step(1.0)
+    material, one = c.material, c.coefficients
+    r, one_tensor = 1e-6, np.eye(3)
+
+    def answer(F: float, H: float, J: float) -> float:
+        strains = split(one_tensor * (1.0 + r * F)), split(one_tensor * (1.0 + 2.0 * r * H))
+        return float(law.first_piola(material, *strains, 1.0 + 3.0 * r * J)[0]) / r
+
+    for given in ((one.tau_F, one.tau_H, one.tau_J), (one.xi_F, one.xi_H, one.xi_J)):
+        expected = 3.0 * (material.kappa + material.mu) * given[2] - material.mu * given[0]
+        assert answer(*given) == pytest.approx(expected, rel=1e-4)
+        assert answer(*given) > material.mu * given[0]
+        assert answer(given[0], given[1], 0.0) < 0.0
+
+
 @pytest.mark.parametrize("cells", CELLS)
 def test_the_term_of_tau_p_takes_energy_from_pressures_inside(cells: Any) -> None:
     sim = simulation(spinning_block(jitter=0.0), cells, 0.2)
