@@ -61,6 +61,9 @@ class BBarHexElements:
     Positions and forces are ``(N, 3)`` arrays.
     """
 
+    #: Share of the element mean in the Jacobian that ``U`` sees.
+    mean_share = 1.0
+
     def __init__(self, mesh: HexMesh, sk: MeshHex, material: Any) -> None:
         self.mesh = mesh
         self.load_shapes = trilinear_shapes(sk)
@@ -105,6 +108,7 @@ class BBarHexElements:
         """``force (N, 3)`` [N] ``= dPi/dx`` at positions ``x (N, 3)`` [m]."""
         element_forces(
             self.material,
+            self.mean_share,
             x,
             self._corners,
             self._maps,
@@ -137,7 +141,9 @@ class BBarHexElements:
     def strain_energy(self, x: Array) -> float:
         """``Pi = sum_e Pi_e`` [J]."""
         energies = np.empty_like(self._shrinkage)
-        element_energies(self.material, x, self._corners, self._maps, energies)
+        element_energies(
+            self.material, self.mean_share, x, self._corners, self._maps, energies
+        )
         return float(np.sum(one_by_one(energies, self.quadrature.elements)))
 
     def stress(self, x: Array) -> CentroidStress:

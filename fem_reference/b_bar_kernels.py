@@ -1,7 +1,8 @@
 """Compiled element loops of the Q1-P0 hexahedron; formulas in ``b_bar_hex``.
 
 A block of :data:`~fem_reference.lanes.LANES` elements is worked on at once in one row-wise scratch
-array; ``nodes (B, 8, LANES)`` are its corners and ``maps`` its reference maps.
+array; ``nodes (B, 8, LANES)`` are its corners and ``maps`` its reference maps.  ``mean_share`` is
+one where ``U`` sees the mean Jacobian, and zero in ``full_hex``, where it sees that of the point.
 """
 
 from __future__ import annotations
@@ -66,7 +67,7 @@ def _strains(x, nodes, maps, b, w):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def _add_stress(material, maps, g, w):  # type: ignore[no-untyped-def]
+def _add_stress(material, maps, mean_share, g, w):  # type: ignore[no-untyped-def]
     """Add ``w_g P cof A`` of Gauss point ``g``; keep the least ``J`` and the thinnest ``F``."""
     share = maps.weights[g]
     for lane in range(LANES):
@@ -74,7 +75,7 @@ def _add_stress(material, maps, g, w):  # type: ignore[no-untyped-def]
         F = pushed(maps, pick_point(w, g, _DERIVATIVES, lane), A)
         H = cofactor(F)
         J = determinant(F)
-        excess = w[_PRESSURE, lane] - law.volumetric_pressure(material, J)
+        excess = mean_share * (w[_PRESSURE, lane] - law.volumetric_pressure(material, J))
         P = axpy(excess, H, law.first_piola(material, F, H, J))
         add_point(pulled(maps, share, P, A), w, g, _FORCES, lane)
         # nan must stay: a plain minimum would forget it.
@@ -90,25 +91,25 @@ def _add_stress(material, maps, g, w):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def _stresses(material, maps, w):  # type: ignore[no-untyped-def]
+def _stresses(material, maps, mean_share, w):  # type: ignore[no-untyped-def]
     """Sums over the Gauss points of a block."""
     fill(w, _FORCES, 3 * ROWS, 0.0)
     fill(w, _LEAST, 2, np.inf)
     for lane in range(LANES):
         w[_PRESSURE, lane] = law.volumetric_pressure(material, w[_MEAN, lane])
-    _add_stress(material, maps, 0, w)
-    _add_stress(material, maps, 1, w)
-    _add_stress(material, maps, 2, w)
-    _add_stress(material, maps, 3, w)
-    _add_stress(material, maps, 4, w)
-    _add_stress(material, maps, 5, w)
-    _add_stress(material, maps, 6, w)
-    _add_stress(material, maps, 7, w)
+    _add_stress(material, maps, mean_share, 0, w)
+    _add_stress(material, maps, mean_share, 1, w)
+    _add_stress(material, maps, mean_share, 2, w)
+    _add_stress(material, maps, mean_share, 3, w)
+    _add_stress(material, maps, mean_share, 4, w)
+    _add_stress(material, maps, mean_share, 5, w)
+    _add_stress(material, maps, mean_share, 6, w)
+    _add_stress(material, maps, mean_share, 7, w)
 
 
 @kernel
 def element_forces(  # type: ignore[no-untyped-def]
-    material, x, nodes, maps, smallest_J, shrinkage, force
+    material, mean_share, x, nodes, maps, smallest_J, shrinkage, force
 ):
     """Corner forces ``force (B, 24, LANES)`` [N], ``smallest_J`` and ``shrinkage (B, LANES)``.
 
@@ -118,7 +119,7 @@ def element_forces(  # type: ignore[no-untyped-def]
     for b in prange(nodes.shape[0]):
         w = np.empty((_SCRATCH, LANES))
         _strains(x, nodes, maps, b, w)
-        _stresses(material, maps, w)
+        _stresses(material, maps, mean_share, w)
         corner_sums(maps.along, w, _FORCES, _CORNERS)
         for row in range(24):
             for lane in range(LANES):
@@ -133,7 +134,7 @@ def element_forces(  # type: ignore[no-untyped-def]
 
 
 @kernel
-def element_energies(material, x, nodes, maps, energies):  # type: ignore[no-untyped-def]
+def element_energies(material, mean_share, x, nodes, maps, energies):  # type: ignore[no-untyped-def]
     """``Pi_e (B, LANES)`` [J]."""
     for b in prange(nodes.shape[0]):
         w = np.empty((_SCRATCH, LANES))
@@ -146,7 +147,7 @@ def element_energies(material, x, nodes, maps, energies):  # type: ignore[no-unt
                 J = determinant(F)
                 W = law.stored_energy(material, F, cofactor(F), J)
                 U = law.volumetric_energy(material, w[_MEAN, lane])
-                swap = U - law.volumetric_energy(material, J)
+                swap = mean_share * (U - law.volumetric_energy(material, J))
                 total += volume(maps, maps.weights[g], A) * (W + swap)
             energies[b, lane] = total
 

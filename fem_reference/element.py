@@ -7,13 +7,12 @@ from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
-from skfem import MeshHex
 
 from fem_reference.load_shapes import LoadShapes
 from sphsolid.continuum import law
 from sphsolid.continuum.tensor import axpy, cofactor, determinant, join, split
 from sphsolid.continuum.wave_speed import THINNEST
-from sphsolid.geometry.mesh import HexMesh
+from sphsolid.geometry.mesh import Mesh
 from sphsolid.protocols import check_protocol
 
 Array = NDArray[np.float64]
@@ -55,7 +54,7 @@ class Elements(Protocol):
     """Elements of one mesh and material, ready for explicit time steps."""
 
     @property
-    def mesh(self) -> HexMesh:
+    def mesh(self) -> Mesh:
         """Its vertices are the nodes; stresses are handed out at the centres of its cells."""
         ...
 
@@ -122,11 +121,14 @@ class Element(Protocol):
         ...
 
     def cell_size(self, spacing: float) -> float:
-        """Edge [m] of the hexahedra whose nodes are ``spacing`` [m] apart."""
+        """Edge [m] of the cells whose nodes are ``spacing`` [m] apart."""
         ...
 
-    def discretise(self, *, mesh: HexMesh, sk: MeshHex, material: Any) -> Elements:
-        """Elements of ``mesh`` (``sk`` is the same mesh in scikit-fem) made of ``material``."""
+    def discretise(self, *, mesh: Any, sk: Any, material: Any) -> Elements:
+        """Elements of ``mesh`` (``sk`` is the same mesh in scikit-fem) made of ``material``.
+
+        The mesh has hexahedra, or what an attribute ``cells`` of the option makes of them.
+        """
         ...
 
 

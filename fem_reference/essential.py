@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fem_reference.updates import keep_free
-from sphsolid.geometry.mesh import HexMesh
+from sphsolid.geometry.mesh import Mesh
 from sphsolid.scenes.constraint import Constraint, EssentialPart, essential_parts
 
 Array = NDArray[np.float64]
@@ -29,7 +29,7 @@ class EssentialConditions:
     X: Array
 
     @classmethod
-    def of(cls, constraints: tuple[Constraint, ...], mesh: HexMesh) -> EssentialConditions:
+    def of(cls, constraints: tuple[Constraint, ...], mesh: Mesh) -> EssentialConditions:
         """Collect ``constraints`` on ``mesh``; raises ``InputError`` for an unknown tag."""
         parts = essential_parts(constraints, mesh)
         free = np.tile(np.eye(3), (len(mesh.vertices), 1, 1))

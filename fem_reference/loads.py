@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csr_matrix
-from skfem import Basis, FacetBasis, MeshHex
+from skfem import Basis, FacetBasis, MeshHex, MeshTet
 from skfem.assembly.basis import AbstractBasis
 
 from fem_reference.load_shapes import LoadShapes
@@ -41,7 +41,7 @@ class Load:
         return np.asarray(self.matrix @ self.field(t))
 
 
-def loads_of(scene: Scene, sk: MeshHex, shapes: LoadShapes) -> tuple[Load, ...]:
+def loads_of(scene: Scene, sk: MeshHex | MeshTet, shapes: LoadShapes) -> tuple[Load, ...]:
     """The loads that the scene has: none for a body that only moves freely.
 
     Raises ``InputError`` for a traction on an unknown tag, or a field that fails at time zero; see

@@ -1,15 +1,15 @@
-"""The shared hexahedral mesh as scikit-fem sees it."""
+"""The shared mesh as scikit-fem sees it."""
 
 from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
-from skfem import MeshHex
+from skfem import MeshHex, MeshTet
 from skfem.refdom import RefHex
 
 from sphsolid.errors import InputError
 from sphsolid.geometry.cell_shape import CORNERS
-from sphsolid.geometry.mesh import HexMesh
+from sphsolid.geometry.mesh import HexMesh, TetMesh
 
 #: scikit-fem's local node ``k`` is corner ``CORNER_OF_NODE[k]`` of a ``HexMesh`` cell: scikit-fem
 #: counts from (1, 1, 1) down to (0, 0, 0), so the two orders are matched by coordinates.
@@ -32,8 +32,16 @@ def scikit_fem_mesh(mesh: HexMesh) -> MeshHex:
     return MeshHex(points, cells, _boundaries=boundaries)
 
 
-def _facets(sk: MeshHex, name: str, quads: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Boundary facet numbers of quadrilaterals ``(f, 4)``, matched by their set of vertices."""
+def scikit_fem_tetrahedra(mesh: TetMesh) -> MeshTet:
+    """``MeshTet`` of ``mesh``, as :func:`scikit_fem_mesh` makes it of hexahedra."""
+    points, cells = np.ascontiguousarray(mesh.vertices.T), np.ascontiguousarray(mesh.cells.T)
+    untagged = MeshTet(points, cells)
+    boundaries = {name: _facets(untagged, name, loops) for name, loops in mesh.faces.items()}
+    return MeshTet(points, cells, _boundaries=boundaries)
+
+
+def _facets(sk: MeshHex | MeshTet, name: str, quads: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Boundary facet numbers of loops ``(f, m)``, matched by their set of vertices."""
     candidates = sk.boundary_facets()
     known = {tuple(sorted(sk.facets[:, facet])): int(facet) for facet in candidates}
     numbers = np.empty(len(quads), dtype=np.int64)
@@ -41,7 +49,7 @@ def _facets(sk: MeshHex, name: str, quads: NDArray[np.int64]) -> NDArray[np.int6
         key = tuple(sorted(quad))
         if key not in known:
             raise InputError(
-                f"boundary tag {name!r}: quadrilateral {quad.tolist()} is no boundary facet of "
+                f"boundary tag {name!r}: facet {quad.tolist()} is no boundary facet of "
                 "the cells; tag only faces that belong to exactly one cell"
             )
         numbers[row] = known[key]

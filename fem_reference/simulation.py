@@ -11,21 +11,22 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from skfem import MeshHex, MeshTet
 
 from fem_reference.b_bar_hex import BBarHex
+from fem_reference.cell_tables import Hexahedra
 from fem_reference.central_difference import Motion, central_difference_step
 from fem_reference.element import Element, check_element
 from fem_reference.energy_budget import NoBudget, StepBudget
 from fem_reference.essential import EssentialConditions
 from fem_reference.loads import loads_of, nodal_force
-from fem_reference.mesh import scikit_fem_mesh
 from fem_reference.updates import divide_by_mass
 from sphsolid.compiled import threads
 from sphsolid.continuum import reference_p_wave_speed
 from sphsolid.continuum.check_law import check_first_use
 from sphsolid.errors import Diverged, require
 from sphsolid.geometry.body import AS_MESHED, AsMeshed, Spacing
-from sphsolid.geometry.mesh import HexMesh, hexahedra, read_only
+from sphsolid.geometry.mesh import Mesh, read_only
 from sphsolid.record import Snapshot
 from sphsolid.record.checkpoint import checkpoint_of, rebuilt
 from sphsolid.record.placement import Placement
@@ -41,6 +42,7 @@ Array = NDArray[np.float64]
 
 #: Options are immutable objects, so one default serves every simulation.
 DEFAULT_ELEMENT = BBarHex()
+HEXAHEDRA = Hexahedra()
 
 
 #: Steps between two looks at the positions: one takes as long as two or three steps.
@@ -88,14 +90,15 @@ class Simulation(BaseSimulation):
         self._smallest_dt = math.inf
         self._works: StepBudget | NoBudget = NoBudget()
         edge = spacing if isinstance(spacing, AsMeshed) else element.cell_size(spacing)
-        mesh = hexahedra(scene.body.mesh(edge), f"element = {element.name}")
+        # An element that does not say so has hexahedra.
+        kind = getattr(element, "cells", HEXAHEDRA)
+        mesh, sk = kind.meshes(scene.body.mesh(edge), f"element = {element.name}")
         check_probes(scene, mesh)
-        self._discretise(mesh)
+        self._discretise(mesh, sk)
         self._start()
 
-    def _discretise(self, mesh: HexMesh) -> None:
+    def _discretise(self, mesh: Mesh, sk: MeshHex | MeshTet) -> None:
         """Elements, loads and constraints on ``mesh``."""
-        sk = scikit_fem_mesh(mesh)
         self._elements = self.element.discretise(mesh=mesh, sk=sk, material=self.material)
         self._take_points(self._elements.mesh, self._elements.nodal_volumes)
         self._loads = loads_of(self.scene, sk, self._elements.load_shapes)

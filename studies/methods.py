@@ -113,13 +113,31 @@ class Elements:
     options: tuple[tuple[str, Any], ...] = ()
     edge: int = 1
 
-    def build(self, scene: Scene, spacing: Spacing) -> fem.Simulation:
+    def build(self, scene: Scene, spacing: Spacing) -> Solver:
         """A simulation with nodes ``spacing`` [m] apart."""
         return fem.Simulation(scene, spacing=spacing, **dict(self.options))
 
     def but(self, changes: Mapping[str, Any]) -> Elements:
         """Other options of ``fem_reference.Simulation``."""
         return replace(self, options=_merged(self.options, changes))
+
+
+@dataclass(frozen=True)
+class MixedElements(Elements):
+    """``fem_reference.MixedSimulation`` with ``options``."""
+
+    def build(self, scene: Scene, spacing: Spacing) -> fem.MixedSimulation:
+        """A simulation with nodes ``spacing`` [m] apart."""
+        return fem.MixedSimulation(scene, spacing=spacing, **dict(self.options))
+
+
+@dataclass(frozen=True)
+class FiniteVolumes(Elements):
+    """``fem_reference.FiniteVolumeSimulation`` with ``options``."""
+
+    def build(self, scene: Scene, spacing: Spacing) -> fem.FiniteVolumeSimulation:
+        """A simulation with cells ``spacing`` [m] wide."""
+        return fem.FiniteVolumeSimulation(scene, spacing=spacing, **dict(self.options))
 
 
 def _merged(
@@ -259,12 +277,27 @@ TAYLOR_HOOD = Method(
     "Taylor-Hood FEM", "Taylor-Hood FEM", SKY, "P",
     Elements((("element", fem.TaylorHoodHex()),), edge=2), line="-.",
 )  # fmt: skip
+Q1 = Method(
+    "Q1 FEM", "Q1 FEM, full integration", BLACK, "x",
+    Elements((("element", fem.FullHex()),)), line=":",
+)  # fmt: skip
+NODAL_PRESSURE = Method(
+    "nodal pressure FEM", "tetrahedra, average nodal pressure", SKY, "1",
+    Elements((("element", fem.NodalPressureTet()),)), line="-.",
+)  # fmt: skip
+PG_FEM = Method("PG-FEM", "PG-FEM, tetrahedra", GREEN, "2", MixedElements(), line="-.")
+PG_FEM_HEX = Method(
+    "PG-FEM, hexahedra", "PG-FEM, hexahedra", GREEN, "3",
+    MixedElements((("method", fem.PGFEM(cells=fem.Hexahedra())),)), line="-.",
+)  # fmt: skip
+C_TOUCH = Method("C-TOUCH", "C-TOUCH finite volumes", PURPLE, "4", FiniteVolumes(), line="-.")
 
 METHODS: dict[str, Method] = {
     method.name: method
     for method in (
         PACKAGE, *LATTICE.values(), SUPG, PAPER, UNSTABILISED, DISPLACEMENT, HOURGLASS,
-        HOURGLASS_AS_SHIPPED, JST, UPWIND, UPWIND_LIMITED, B_BAR, TAYLOR_HOOD,
+        HOURGLASS_AS_SHIPPED, JST, UPWIND, UPWIND_LIMITED, B_BAR, TAYLOR_HOOD, Q1, NODAL_PRESSURE,
+        PG_FEM, PG_FEM_HEX, C_TOUCH,
     )
 }  # fmt: skip
 

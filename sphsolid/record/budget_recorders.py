@@ -8,7 +8,7 @@ import numpy as np
 
 from sphsolid.errors import InputError
 from sphsolid.record.budget import WORKS, Budget
-from sphsolid.record.recorders import AXES
+from sphsolid.record.recorders import AXES, momentum_scales
 from sphsolid.record.snapshot import Snapshot
 from sphsolid.scenes.scene import Scene
 
@@ -70,9 +70,7 @@ class MomentumDrift:
     def record(self, snapshot: Snapshot, scene: Scene) -> dict[str, float]:
         """Two groups of twelve columns."""
         budget = _budget(snapshot)
-        size = np.linalg.norm(snapshot.momentum, axis=1)
-        arm = np.linalg.norm(snapshot.x, axis=1)
-        scales = (np.sum(snapshot.V * size), np.sum(snapshot.V * arm * size))
+        scales = momentum_scales(snapshot)
         row: dict[str, float] = {}
         for k, (kind, unit) in enumerate((("linear", "kg m/s"), ("angular", "kg m^2/s"))):
             row[f"{kind}_drift [{unit}]"] = float(np.linalg.norm(budget.drift[k]))

@@ -46,12 +46,23 @@ class Energy:
 
 def linear_momentum(snapshot: Snapshot) -> NDArray[np.float64]:
     """``sum V p (3,)`` [kg m/s]."""
-    return np.sum(snapshot.V[:, None] * snapshot.momentum, axis=0)
+    carried = snapshot.masses
+    return np.sum(carried.V[:, None] * (snapshot.density * carried.velocity), axis=0)
 
 
 def angular_momentum(snapshot: Snapshot) -> NDArray[np.float64]:
     """``sum V x cross p (3,)`` [kg m^2/s] about the origin."""
-    return np.sum(snapshot.V[:, None] * np.cross(snapshot.x, snapshot.momentum), axis=0)
+    carried = snapshot.masses
+    momentum = snapshot.density * carried.velocity
+    return np.sum(carried.V[:, None] * np.cross(carried.x, momentum), axis=0)
+
+
+def momentum_scales(snapshot: Snapshot) -> tuple[float, float]:
+    """``sum V |p|`` [kg m/s] and ``sum V |x| |p|`` [kg m^2/s]."""
+    carried = snapshot.masses
+    size = np.linalg.norm(snapshot.density * carried.velocity, axis=1)
+    arm = np.linalg.norm(carried.x, axis=1)
+    return float(np.sum(carried.V * size)), float(np.sum(carried.V * (arm * size)))
 
 
 @dataclass(frozen=True)
@@ -62,8 +73,7 @@ class LinearMomentum:
         """Four columns."""
         total = linear_momentum(snapshot)
         row = {f"linear_momentum_{AXES[i]} [kg m/s]": float(total[i]) for i in range(3)}
-        size = np.linalg.norm(snapshot.momentum, axis=1)
-        row["linear_momentum_scale [kg m/s]"] = float(np.sum(snapshot.V * size))
+        row["linear_momentum_scale [kg m/s]"] = momentum_scales(snapshot)[0]
         return row
 
 
@@ -75,8 +85,7 @@ class AngularMomentum:
         """Four columns."""
         total = angular_momentum(snapshot)
         row = {f"angular_momentum_{AXES[i]} [kg m^2/s]": float(total[i]) for i in range(3)}
-        size = np.linalg.norm(snapshot.x, axis=1) * np.linalg.norm(snapshot.momentum, axis=1)
-        row["angular_momentum_scale [kg m^2/s]"] = float(np.sum(snapshot.V * size))
+        row["angular_momentum_scale [kg m^2/s]"] = momentum_scales(snapshot)[1]
         return row
 
 

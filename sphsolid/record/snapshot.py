@@ -36,6 +36,28 @@ class PointField:
 
 
 @dataclass(frozen=True)
+class Masses:
+    """Points that carry the momentum: ``V (n,)`` [m^3], ``x`` [m] and ``velocity (n, 3)`` [m/s]."""
+
+    V: Array
+    x: Array
+    velocity: Array
+
+    def __post_init__(self) -> None:
+        """Views that nobody can write to."""
+        for each in fields(self):
+            object.__setattr__(self, each.name, read_only(getattr(self, each.name)))
+
+
+@dataclass(frozen=True)
+class AtPrimaryPoints:
+    """The momentum is carried by the primary points."""
+
+
+AT_PRIMARY_POINTS = AtPrimaryPoints()
+
+
+@dataclass(frozen=True)
 class Snapshot:
     """The state of a body at ``time`` [s] after ``step`` steps.
 
@@ -50,7 +72,8 @@ class Snapshot:
     ``added_pressure (M,)`` [Pa] is the mean Cauchy stress of what they add to ``P``.
     ``budget`` says where energy and momentum went, when a recorder asked for it; ``secondary`` is
     the gradient of ``x`` at the secondary particles, where there are any; ``further`` are the
-    fields of a user's own terms ``(N, ...)`` at the primary points.
+    fields of a user's own terms ``(N, ...)`` at the primary points.  ``carried_by`` are the points
+    whose momentum and kinetic energy are those of the method, where they are not the primary ones.
     Nobody writes to its arrays: one recorder must not change what the next one sees.
     """
 
@@ -73,6 +96,7 @@ class Snapshot:
     budget: Budget | NotTracked = NOT_TRACKED
     secondary: SecondaryGradient | NoSecondaryGradient = NO_SECONDARY_GRADIENT
     further: Mapping[str, Array] = field(default_factory=dict)
+    carried_by: Masses | AtPrimaryPoints = AT_PRIMARY_POINTS
 
     def __post_init__(self) -> None:
         """Arrays are kept as views that cannot be written to."""
@@ -99,7 +123,15 @@ class Snapshot:
     @property
     def kinetic_energy(self) -> float:
         """``sum V rho0 |v|^2 / 2`` [J]."""
-        return float(0.5 * self.density * np.sum(self.V[:, None] * self.velocity**2))
+        carried = self.masses
+        return float(0.5 * self.density * np.sum(carried.V[:, None] * carried.velocity**2))
+
+    @property
+    def masses(self) -> Masses:
+        """What carries the momentum: the primary points, unless the method has others."""
+        if isinstance(self.carried_by, Masses):
+            return self.carried_by
+        return Masses(self.V, self.x, self.velocity)
 
     @property
     def volumetric_energy(self) -> float:

@@ -10,17 +10,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar, Protocol
 
-from sphsolid.compiled import inlined
-from sphsolid.continuum.tensor import (
-    Tensor,
-    add,
-    axial,
-    multiply,
-    solve_symmetric,
-    transpose,
-    vector_cross,
-)
+from sphsolid.continuum.symmetric_stress import project
 from sphsolid.protocols import check_protocol
+
+__all__ = [
+    "AngularMomentumTreatment", "LocalProjection", "NoProjection", "check_projection", "project",
+]  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -48,17 +43,3 @@ def check_projection(treatment: object) -> None:
     check_protocol(
         "angular_momentum", treatment, ("projects",), "use LocalProjection() or NoProjection()"
     )
-
-
-@inlined
-def project(P: Tensor, F_x: Tensor) -> Tensor:
-    """``P^C`` of eqs. (40)-(41)."""
-    torque = axial(multiply(P, transpose(F_x)))
-    b = multiply(F_x, transpose(F_x))
-    trace = b[0] + b[4] + b[8]
-    L = (
-        trace - b[0], -b[1], -b[2],
-        -b[3], trace - b[4], -b[5],
-        -b[6], -b[7], trace - b[8],
-    )  # fmt: skip
-    return add(P, vector_cross(solve_symmetric(L, torque), F_x))
