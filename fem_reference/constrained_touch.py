@@ -30,6 +30,7 @@ from fem_reference.cell_tables import CellTables, Hexahedra
 from fem_reference.touch_boundary import TouchBoundary
 from fem_reference.touch_mesh import touch_mesh
 from sphsolid.continuum import law, reference_p_wave_speed
+from sphsolid.continuum.kept_momenta import moment_correction
 from sphsolid.continuum.tensor import cofactor, determinant, join, split
 from sphsolid.continuum.wave_speed import moduli_at_rest
 from sphsolid.errors import InputError, require
@@ -167,12 +168,8 @@ class TouchCells:
         """``(E, 3)`` [m/s^2] that gives ``pushed`` the ``moment`` [N m] of the boundary."""
         if not self.options.projects:
             return np.zeros_like(pushed)
-        V = self.maps.V[:, None]
-        d = arms - np.sum(V * arms, axis=0) / np.sum(V)
         lacking = moment - np.cross(arms, pushed).sum(axis=0)
-        inertia = np.sum(V * d * d) * np.eye(3) - (V * d).T @ d
-        spin = np.linalg.solve(inertia, lacking)
-        return np.asarray(np.cross(spin, d) / self.material.density)
+        return moment_correction(self.maps.V, arms, lacking) / self.material.density
 
     def smallest_stretch(self, x: Array) -> Array:
         """Of each cell ``(E,)``; -1 where ``J <= 0``."""

@@ -12,9 +12,11 @@ The stress is that of the stabilised strains of [Lee2017] eq. (28),
     H_st = H + tau_H (F x L - dH/dt) + xi_H (cof F_x - H),
     J_st = J + tau_J (H : L - dJ/dt) + xi_J (det F_x - J),
 
-projected so that ``P^C F_x^T`` is symmetric, which makes angular momentum exact.  ``R_p = DIV P +
-f0 - dp/dt`` of eq. (29c) has the divergence of the nodes' own stresses and the rate of this stage.
-Fields without a bar are interpolated from the nodes.
+and the nodes' forces are those nearest to it that have no moment (least squares, [Lee2016]), which
+makes angular momentum exact.  The local projection of [Lee2017] section 6, the nearest ``P^C`` at
+every point, does not serve here: nodal ``F`` and ``grad x`` part, and on the twisting column it
+brings in a third of the energy.  ``R_p = DIV P + f0 - dp/dt`` of eq. (29c) has the divergence of
+the nodes' own stresses and the rate of this stage.  Fields are interpolated from the nodes.
 
 Integrals of shape functions make force and rate of ``F`` adjoint; what is left of the chain rule
 (products and the law at points instead of nodes) is a work of its own in the budget.
@@ -33,6 +35,7 @@ from fem_reference import pg_fem_kernels as kernels
 from fem_reference.cell_tables import CellKind, CellTables, Tetrahedra
 from fem_reference.pg_fem_kernels import STRAINS, Coefficients, Fields
 from sphsolid.continuum import law
+from sphsolid.continuum.kept_momenta import momentum_correction
 from sphsolid.continuum.tensor import cofactor, determinant, join, split
 from sphsolid.continuum.wave_speed import moduli_at_rest
 from sphsolid.errors import InputError, require
@@ -53,19 +56,19 @@ class PGFEM:
     ``tau_F = 1``; the others are of this package.  Raises ``InputError`` for any other value.
 
     At rest a residual ``r I`` of the gradients is answered by the stress ``r [3 (kappa + mu) xi_J -
-    mu (xi_F + 2 xi_H)] I``: without ``xi_J`` the wrong way, and likewise with ``tau``.  Where they
-    are None, ``xi_J = (xi_F + 2 xi_H) mu / kappa`` and ``tau_J = (tau_F + 2 tau_H) mu / kappa``,
-    which answer it as shear is answered; larger ones resist changes of volume of single points,
-    and lock.
+    mu (xi_F + 2 xi_H)] I``: without ``xi_J`` the wrong way, and likewise with ``tau``.  Where it is
+    None, ``xi_J = (xi_F + 2 xi_H) mu / kappa``, which answers it as shear is answered; a larger one
+    resists changes of volume of single points, and locks.  ``tau_H = tau_J = 1`` are needed near
+    incompressibility: without them the pressure of the twisting column is ten times too large.
     """
 
     cells: CellKind = TETRAHEDRA
     tau_F: float = 1.0
     xi_F: float = 0.1
     tau_p: float = 0.1
-    tau_H: float = 0.0
+    tau_H: float = 1.0
     xi_H: float = 0.0
-    tau_J: float | None = None
+    tau_J: float = 1.0
     xi_J: float | None = None
     projects: bool = True
 
@@ -76,7 +79,7 @@ class PGFEM:
         for each in fields(self):
             value = getattr(self, each.name)
             top = {"tau": math.inf, "xi": 0.5}.get(each.name.split("_")[0])
-            if top is None or (value is None and each.name in ("tau_J", "xi_J")):
+            if top is None or (value is None and each.name == "xi_J"):
                 continue
             number = isinstance(value, int | float) and not isinstance(value, bool)
             require(
@@ -112,7 +115,7 @@ class PGFEMCells:
         nodes, (count, corners) = len(cells.V), cells.tables.nodes.shape
         self.v_dot = np.zeros((nodes, 3))
         self.strains_dot = np.zeros((nodes, STRAINS))
-        self._force = np.zeros((nodes, 3))
+        self._force, self._correction = np.zeros((nodes, 3)), np.zeros((nodes, 3))
         self._J_dot = np.zeros((nodes, 1))
         self._stress = np.zeros((nodes, 9))
         self._smallest = np.ones(nodes)
@@ -125,10 +128,9 @@ class PGFEMCells:
     def coefficients(self) -> Coefficients:
         """``tau`` [s] of the step begun last."""
         o, dt = self.options, self._step
-        tau_J = (o.tau_F + 2.0 * o.tau_H) * self._softness if o.tau_J is None else o.tau_J
         xi_J = (o.xi_F + 2.0 * o.xi_H) * self._softness if o.xi_J is None else o.xi_J
         return Coefficients(
-            o.tau_F * dt, o.tau_H * dt, tau_J * dt, o.xi_F, o.xi_H, xi_J, o.projects
+            o.tau_F * dt, o.tau_H * dt, o.tau_J * dt, o.xi_F, o.xi_H, xi_J
         )
 
     @property
@@ -157,12 +159,18 @@ class PGFEMCells:
         self._gather(self._given, self.strains_dot)
 
     def internal_force(self, x: Array, v: Array, strains: Array) -> Array:
-        """``(N, 3)`` [N/m^3]: minus what the stresses push each node with, over its volume."""
+        """``(N, 3)`` [N/m^3]: minus what the stresses push each node with, over its volume.
+
+        Its moment is taken out.
+        """
         given = Fields(x, v, strains, self.strains_dot)
         kernels.stress_forces(
             self.cells.tables, self.material, self.coefficients, given, self._given_force
         )
         self._gather(self._given_force, self._force)
+        if self.options.projects:
+            self._correction[:] = momentum_correction(self.cells.V, x, self._force)
+            self._force += self._correction
         return self._force
 
     def volume_dissipation(self, strains: Array, inertia: Array) -> Array:
@@ -200,13 +208,14 @@ class PGFEMCells:
 
         ``adjoint_defect``: the law and products at points of cells, where the energy has nodes.
         """
-        taken = np.empty((self.cells.count, 3))
+        taken = np.empty((self.cells.count, 2))
         # The rates that the stabilised strains saw had no term of tau_p yet.
         rates = self.strains_dot.copy()
         rates[:, 18:] -= self._J_dot
         given = Fields(x, v, strains, rates)
         kernels.powers(self.cells.tables, self.material, self.coefficients, given, taken)
-        coarse, fine, projected = taken.sum(axis=0)
+        coarse, fine = taken.sum(axis=0)
+        projected = self.cells.V @ np.sum(self._correction * v, axis=1)
         F, H = (split(strains[:, k : k + 9].reshape(-1, 3, 3)) for k in (0, 9))
         Sigma = law.conjugate_stresses(self.material, F, H, strains[:, 18])
         return {

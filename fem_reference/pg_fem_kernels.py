@@ -14,7 +14,6 @@ from numpy.typing import NDArray
 
 from sphsolid.compiled import inlined, kernel, prange
 from sphsolid.continuum import law
-from sphsolid.continuum.symmetric_stress import project
 from sphsolid.continuum.tensor import (
     axpy,
     cofactor,
@@ -31,7 +30,7 @@ _BLOCK = 64
 
 
 class Coefficients(NamedTuple):
-    """Of eq. (28): ``tau`` [s] and ``xi`` [-] of ``F, H, J``, and whether ``P`` is projected."""
+    """Of eq. (28): ``tau`` [s] and ``xi`` [-] of ``F, H, J``."""
 
     tau_F: float
     tau_H: float
@@ -39,7 +38,6 @@ class Coefficients(NamedTuple):
     xi_F: float
     xi_H: float
     xi_J: float
-    projects: bool
 
 
 class Fields(NamedTuple):
@@ -127,7 +125,7 @@ def _stabilised(c, s, r, L, F_x):  # type: ignore[no-untyped-def]
 
 @kernel
 def stress_forces(cells, material, c, fields, out):  # type: ignore[no-untyped-def]
-    """``out (E, n, 3)`` [N]: ``sum_q w_q P_q dN_n/dX``, ``P`` of the strains (28), projected."""
+    """``out (E, n, 3)`` [N]: ``sum_q w_q P_q dN_n/dX``, ``P`` of the strains (28)."""
     nodes, N, G, w = cells
     count = nodes.shape[0]
     for b in prange(-(-count // _BLOCK)):
@@ -142,8 +140,6 @@ def stress_forces(cells, material, c, fields, out):  # type: ignore[no-untyped-d
                 F_x = _gradient(nodes[e], G[shape, q], fields.x)
                 F_st, H_st, J_st = _stabilised(c, s, r, L, F_x)
                 P = law.first_piola(material, F_st, H_st, J_st)
-                if c.projects:
-                    P = project(P, F_x)
                 for n in range(nodes.shape[1]):
                     g0 = w[shape, q] * G[shape, q, n, 0]
                     g1 = w[shape, q] * G[shape, q, n, 1]
@@ -199,26 +195,26 @@ def volume_residuals(cells, factor, S, P, inertia, out):  # type: ignore[no-unty
 
 @kernel
 def powers(cells, material, c, fields, out):  # type: ignore[no-untyped-def]
-    """``out (E, 3)`` [W]: ``sum_q w_q (P, P_st - P, P^C - P_st) : grad v``."""
+    """``out (E, 2)`` [W]: ``sum_q w_q (P, P_st - P) : grad v``."""
     nodes, N, G, w = cells
-    for e in prange(nodes.shape[0]):
+    count = nodes.shape[0]
+    for b in prange(-(-count // _BLOCK)):
         s, r = np.empty(STRAINS), np.empty(STRAINS)
-        shape = e if len(w) > 1 else 0
-        out[e] = 0.0
-        for q in range(len(N)):
-            _interpolate(nodes[e], N[q], fields.S, s)
-            _interpolate(nodes[e], N[q], fields.S_dot, r)
-            L = _gradient(nodes[e], G[shape, q], fields.v)
-            F_x = _gradient(nodes[e], G[shape, q], fields.x)
-            F_st, H_st, J_st = _stabilised(c, s, r, L, F_x)
-            P = law.first_piola(material, F_st, H_st, J_st)
-            coarse = law.first_piola(material, _tensor(s, 0), _tensor(s, 9), s[18])
-            of_st = contract(P, L)
-            if c.projects:
-                P = project(P, F_x)
-            out[e, 0] += w[shape, q] * contract(coarse, L)
-            out[e, 1] += w[shape, q] * (of_st - contract(coarse, L))
-            out[e, 2] += w[shape, q] * (contract(P, L) - of_st)
+        for e in range(b * _BLOCK, min(count, (b + 1) * _BLOCK)):
+            shape = e if len(w) > 1 else 0
+            out[e] = 0.0
+            for q in range(len(N)):
+                _interpolate(nodes[e], N[q], fields.S, s)
+                _interpolate(nodes[e], N[q], fields.S_dot, r)
+                L = _gradient(nodes[e], G[shape, q], fields.v)
+                F_x = _gradient(nodes[e], G[shape, q], fields.x)
+                F_st, H_st, J_st = _stabilised(c, s, r, L, F_x)
+                P = law.first_piola(material, F_st, H_st, J_st)
+                coarse = contract(
+                    law.first_piola(material, _tensor(s, 0), _tensor(s, 9), s[18]), L
+                )
+                out[e, 0] += w[shape, q] * coarse
+                out[e, 1] += w[shape, q] * (contract(P, L) - coarse)
 
 
 @kernel

@@ -13,7 +13,7 @@ from sphsolid.cloud import (
     SummationByParts,
     WendlandC2,
 )
-from sphsolid.continuum import MooneyRivlin, NeoHookean, check_law
+from sphsolid.continuum import MooneyRivlin, NeoHookean, SaintVenantKirchhoff, check_law
 from sphsolid.errors import Diverged, FoldingWarning, InputError
 from sphsolid.geometry import MeshFile, PointCloud
 from sphsolid.look import animate, compare
@@ -99,6 +99,7 @@ __all__ = [
     "Quartic",
     "QuinticSpline",
     "Restraint",
+    "SaintVenantKirchhoff",
     "SelfAdjoint",
     "SimplifiedHessian",
     "Simulation",

@@ -20,14 +20,15 @@ def plain(value: Any) -> str:
         names = getattr(value, "_fields", None)
         if names is None:
             return "[" + ", ".join(plain(each) for each in value) + "]"
-        return _object(value, {name: getattr(value, name) for name in names})
+        # A law that a simulation keeps says the name of the class it was made from.
+        kind = repr(value).partition("(")[0]
+        return _object(kind, {name: getattr(value, name) for name in names})
     if is_dataclass(value) and not isinstance(value, type):
-        return _object(
-            value, {each.name: getattr(value, each.name) for each in fields(value) if each.repr}
-        )
+        parts = {each.name: getattr(value, each.name) for each in fields(value) if each.repr}
+        return _object(type(value).__qualname__, parts)
     return repr(value)
 
 
-def _object(value: Any, parts: dict[str, Any]) -> str:
+def _object(kind: str, parts: dict[str, Any]) -> str:
     inside = ", ".join(f"{name}={plain(part)}" for name, part in parts.items())
-    return f"{type(value).__qualname__}({inside})"
+    return f"{kind}({inside})"

@@ -1,11 +1,6 @@
-"""The rates nearest to given ones that change neither momentum of a free body.
+"""The rates nearest to given ones that change neither momentum of a free body ([Lee2016]).
 
-Least squares over the volumes, as the a-posteriori projection of [Lee2016]: to ``r_a`` is added
-
-    c_a = -R / V + lambda x y_a,    I lambda = -T,
-
-with ``R = sum V r``, ``y`` the positions from their centroid, ``T = sum V y x r`` and
-``I = sum V (|y|^2 1 - y (x) y)``.  ``r`` is what the body does to itself: rates without loads.
+See :mod:`sphsolid.continuum.kept_momenta`; the rates are those without loads.
 """
 
 from __future__ import annotations
@@ -13,27 +8,12 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from sphsolid.continuum.kept_momenta import momentum_correction
 from sphsolid.fields import vector_field
 from sphsolid.scheme.set_up import SetUp
 from sphsolid.scheme.stage import Stage
 
 Array = NDArray[np.float64]
-
-
-def momentum_correction(V: Array, x: Array, rate: Array) -> Array:
-    """``c (N, 3)`` [N/m^3], which takes resultant and moment out of ``rate (N, 3)`` [N/m^3].
-
-    ``V (N,)`` [m^3] and ``x (N, 3)`` [m].  Exact for any ``rate``: what is left is round-off.
-    """
-    total = float(np.sum(V))
-    y = x - (V @ x) / total
-    weighted = V[:, None] * y
-    moment = np.sum(np.cross(weighted, rate), axis=0)
-    second = weighted.T @ y
-    inertia = np.trace(second) * np.eye(3) - second
-    return np.asarray(
-        np.cross(np.linalg.solve(inertia, -moment), y) - (V @ rate) / total
-    )
 
 
 class FreeMomenta:

@@ -8,7 +8,7 @@ from typing import Any
 import fem_reference as fem
 import sphsolid as sph
 from sphsolid import scenes
-from sphsolid.geometry import Blocks, Box, MeshFile, PointCloud, TetBox
+from sphsolid.geometry import Blocks, Box, HoledBlock, MeshFile, PointCloud, TetBox
 from sphsolid.record import (
     AngularMomentum,
     Energy,
@@ -32,8 +32,10 @@ SCENES = _by_name(
     scenes.bending_column, scenes.cable, scenes.l_shaped_block, scenes.plate_with_hole,
     scenes.punch, scenes.spinning_cube, scenes.swinging_cube, scenes.twisting_column,
 )  # fmt: skip
-BODIES = _by_name(Box, Blocks, TetBox, MeshFile, PointCloud) | {"PointCloud.fill": PointCloud.fill}
-MATERIALS = _by_name(sph.NeoHookean, sph.MooneyRivlin)
+BODIES = _by_name(Box, Blocks, HoledBlock, TetBox, MeshFile, PointCloud) | {
+    "PointCloud.fill": PointCloud.fill
+}
+MATERIALS = _by_name(sph.NeoHookean, sph.MooneyRivlin, sph.SaintVenantKirchhoff)
 RECORDERS = _by_name(
     Energy, EnergyBudget, LinearMomentum, AngularMomentum, MomentumDrift, Reactions, Probe, Errors,
     Positions,

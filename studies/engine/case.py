@@ -20,7 +20,6 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from sphsolid.compiled import source_hash
 from sphsolid.errors import Diverged, InputError, require
 from sphsolid.record.plain import plain
 from studies.engine.sources import ROOT, hash_of_sources, real_name
@@ -90,7 +89,7 @@ def case_hash(case: Case) -> str:
     name = f"{real_name(case.run.__module__)}:{case.run.__qualname__}"
     kinds = sorted(_kinds(case.arguments), key=repr)
     digest = hashlib.sha256()
-    for part in (name, repr(words), source_hash(), hash_of_sources(case.run, *kinds)):
+    for part in (name, repr(words), hash_of_sources(case.run, *kinds)):
         digest.update(hashlib.sha256(part.encode()).digest())
     return digest.hexdigest()[:16]
 

@@ -1,7 +1,10 @@
-"""Which sources a row is made of: functions, and all that they reach in the study's own modules.
+"""Which sources a row is made of: functions, and all that they reach.
 
-A figure, a claim or a text changes no row, and nothing is run again for it.  So what is hashed is
-not files but definitions: those that a function names, those that these name, and so on.
+A figure, a claim or a text changes no row, and nothing is run again for it.  So what is hashed of
+studies is not files but definitions: those that a function names, those that these name, and so on.
+Of the solvers it is every module that is reached, whole, with all that it imports: their kernels
+and laws are found by type, not by name.  A scene or a method that a study does not use is not
+reached, so a new one makes no report old.
 """
 
 from __future__ import annotations
@@ -20,8 +23,8 @@ ROOT = Path(__file__).resolve().parents[2]
 Definition = tuple[str, str]
 #: It runs cases and changes none of their rows.
 _ENGINE = "studies.engine"
-#: No part of a solver, and so of no hash of theirs; but rows hold percentiles that are taken there.
-_LOOK = "sphsolid.look"
+#: Followed by modules.
+_SOLVERS = ("sphsolid", "fem_reference")
 
 
 def real_name(module: str) -> str:
@@ -44,28 +47,34 @@ def command_of(module: str) -> str:
 def hash_of_sources(*made_by: Callable[..., Any] | type) -> str:
     """Hash of the text of functions and classes and of every definition that they reach.
 
-    Followed are names of the same package and of ``studies``, but not of its engine; what lies
-    beside a script is of its package.  Docstrings, blank lines and the places of definitions do not
-    count.
+    Followed are names of the same package, of ``studies`` without its engine, and of the solvers;
+    what lies beside a script is of its package.  Docstrings, blank lines and the places of
+    definitions do not count.
     """
     return _hash(tuple((real_name(m.__module__), m.__qualname__.split(".")[0]) for m in made_by))
 
 
 @cache
 def _hash(roots: tuple[Definition, ...]) -> str:
-    own = {"studies"}.union(*(_package(module) for module, _ in roots))
-    texts = set()
+    own = {"studies", *_SOLVERS}.union(*(_package(module) for module, _ in roots))
+    texts = set[str]()
     seen: set[Definition] = set()
     waiting = list(roots)
     while waiting:
         one = waiting.pop()
-        followed = one[0].split(".")[0] in own or one[0].startswith(_LOOK)
-        module = _read(one[0]) if followed and not one[0].startswith(_ENGINE) else None
+        followed = one[0].split(".")[0] in own and not one[0].startswith(_ENGINE)
+        module = _read(one[0]) if followed else None
         if module is None or one in seen:
             continue
         seen.add(one)
+        if module.is_part_of_a_solver:
+            texts.update(map(module.text, module.statements))
+            waiting += module.imported_anywhere
+            continue
         if one[1] in module.imported:
             waiting.append(module.imported[one[1]])
+        elif one[1] not in module.defined and _file_of(f"{one[0]}.{one[1]}"):
+            waiting.append((f"{one[0]}.{one[1]}", ""))
         for node in module.defined.get(one[1], ()):
             texts.add(module.text(node))
             waiting += module.used(node)
@@ -78,8 +87,21 @@ class _Module:
 
     lines: Sequence[str]
     name: str
+    is_package: bool
+    statements: list[ast.stmt]
     defined: dict[str, list[ast.stmt]]
     imported: dict[str, Definition]
+
+    @property
+    def is_part_of_a_solver(self) -> bool:
+        """True for a module of theirs; a package only hands on the names of its modules."""
+        return self.name.split(".")[0] in _SOLVERS and not self.is_package
+
+    @property
+    def imported_anywhere(self) -> list[Definition]:
+        """What it imports, inside functions too."""
+        tree = ast.Module(self.statements, [])
+        return [one for node in ast.walk(tree) for one in _imports(node, self.name).values()]
 
     def text(self, node: ast.stmt) -> str:
         """Its lines, decorators too, without docstrings and blank ones."""
@@ -133,24 +155,31 @@ def _read(module: str) -> _Module | None:
     if path is None:
         return None
     text = path.read_text(encoding="utf-8")
-    package = module if path.name == "__init__.py" else module.rpartition(".")[0]
+    is_package = path.name == "__init__.py"
+    within = f"{module}.__init__" if is_package else module
     defined: dict[str, list[ast.stmt]] = {}
     imported: dict[str, Definition] = {}
-    for node in ast.parse(text).body:
-        if isinstance(node, ast.ImportFrom):
-            base = node.module or ""
-            if node.level:
-                inside = package.rsplit(".", node.level - 1)[0]
-                base = f"{inside}.{base}".rstrip(".")
-            imported |= {each.asname or each.name: (base, each.name) for each in node.names}
-        elif isinstance(node, ast.Import):
-            for each in node.names:
-                name = each.asname or each.name.split(".")[0]
-                imported[name] = (each.name if each.asname else name, "")
+    statements = ast.parse(text).body
+    for node in statements:
+        if isinstance(node, ast.ImportFrom | ast.Import):
+            imported |= _imports(node, within)
         else:
             for name in _names(node):
                 defined.setdefault(name, []).append(node)
-    return _Module(text.splitlines(), module, defined, imported)
+    return _Module(text.splitlines(), module, is_package, statements, defined, imported)
+
+
+def _imports(node: ast.AST, within: str) -> dict[str, Definition]:
+    """Names that an import in the module ``within`` gives, and what they stand for."""
+    if isinstance(node, ast.ImportFrom):
+        base = node.module or ""
+        if node.level:
+            base = f"{within.rsplit('.', node.level)[0]}.{base}".rstrip(".")
+        return {each.asname or each.name: (base, each.name) for each in node.names}
+    if not isinstance(node, ast.Import):
+        return {}
+    names = ((each.asname or each.name.split(".")[0], each) for each in node.names)
+    return {name: (each.name if each.asname else name, "") for name, each in names}
 
 
 def _names(node: ast.stmt) -> set[str]:

@@ -5,13 +5,13 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from sphsolid.continuum import MooneyRivlin, NeoHookean
+from sphsolid.continuum import MooneyRivlin, NeoHookean, SaintVenantKirchhoff
 
 STEEL_LIKE_RUBBER = {"young_modulus": 17.0e6, "poisson_ratio": 0.3, "density": 1100.0}
 RUBBER = {"young_modulus": 1.0e6, "poisson_ratio": 0.499, "density": 1000.0}
 
 
-def _materials():
+def _polyconvex():
     for name, values in (("0.3", STEEL_LIKE_RUBBER), ("0.499", RUBBER)):
         yield pytest.param(NeoHookean.from_young(**values), id=f"neo-Hookean nu={name}")
         for share in (0.5, 1.0):
@@ -19,9 +19,22 @@ def _materials():
             yield pytest.param(material, id=f"Mooney-Rivlin share={share:g} nu={name}")
 
 
+def _materials():
+    yield from _polyconvex()
+    for name, values in (("0.3", STEEL_LIKE_RUBBER), ("0.499", RUBBER)):
+        linear = SaintVenantKirchhoff.from_young(**values)
+        yield pytest.param(linear, id=f"Saint Venant-Kirchhoff nu={name}")
+
+
 @pytest.fixture(params=_materials())
 def material(request):
-    """Both laws, compressible and nearly incompressible."""
+    """Every law, compressible and nearly incompressible."""
+    return request.param
+
+
+@pytest.fixture(params=_polyconvex())
+def polyconvex(request):
+    """The laws of [Lee2017]."""
     return request.param
 
 

@@ -22,9 +22,8 @@ def stored(material: Any, F: Any) -> Any:
 
 def test_it_is_zero_in_the_undeformed_state(material: Any) -> None:
     assert law.stored_energy(material, IDENTITY, IDENTITY, 1.0) == 0.0
-    # The energy itself is not: 3/2 mu for the neo-Hookean solid.
-    assert law.energy(material, IDENTITY, IDENTITY, 1.0) > 0.5 * material.mu
     if isinstance(material, NeoHookean):
+        # The energy itself is not.
         assert law.energy(material, IDENTITY, IDENTITY, 1.0) == 1.5 * material.mu
 
 

@@ -9,10 +9,10 @@ import pytest
 
 import sphsolid as sph
 from sphsolid.cloud import build_cloud
+from sphsolid.continuum.kept_momenta import momentum_correction
 from sphsolid.errors import InputError
 from sphsolid.record import EnergyBudget
 from sphsolid.scenes import Box, Scene
-from sphsolid.scheme.global_momenta import momentum_correction
 from sphsolid.scheme.harmonic import harmonic_operator
 from tests.oracles.blocks import MOONEY, loaded_block
 from tests.oracles.checkers import disturbed_block, momentum_drift, rates_at, total_share
