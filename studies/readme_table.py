@@ -22,6 +22,7 @@ from studies import convergence
 from studies.engine.case import write_atomically
 from studies.engine.document import format_cell
 from studies.engine.sources import ROOT
+from studies.measures.swinging_cube import SCENES
 from studies.measures.tables import select
 from studies.methods import B_BAR, DISPLACEMENT, PACKAGE, SUPG, TAYLOR_HOOD
 from studies.pages import filled, markdown_table, pages
@@ -103,7 +104,7 @@ def slopes(summary: pd.DataFrame, method: str) -> dict[str, float]:
 
     nan of a method that was not run; raises ``InputError`` where some of its runs are missing.
     """
-    runs = select(summary, nu=NU, method=method)
+    runs = select(summary[summary["scene"].isin(SCENES)], nu=NU, method=method)
     found = {f"slope_{field}": runs[f"slope_{field}_last"].min() for field in "pP"}
     large = select(runs, scene="manufactured", family="A+B+C=0")
     found |= {f"error_{field}": large[f"error_{field}_finest"].max() for field in "pP"}

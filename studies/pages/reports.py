@@ -14,7 +14,7 @@ from studies.engine.claims import FIRST
 from studies.engine.results import read_table
 from studies.measures.tables import select
 from studies.methods import LATTICE, PACKAGE, SUPG
-from studies.pages import views
+from studies.pages import theory, views
 
 #: Columns of claims, and what reports called them before they had an engine in common.
 _CLAIMS = ["claim", "where", "measured", "asked", "verdict"]
@@ -126,10 +126,11 @@ class Reports:
             row["commit"] = f"`{str(run.get('commit') or '')[:8]}`"
             row["cases"] = run.get("cases")
             row["failed"] = run.get("cases_failed")
+            row["minutes"] = f"{float(run.get('wall_s') or 0.0) / 60.0:.0f}"
             row |= {kind: sum(int(counted.get(v, 0)) for v in of) for kind, of in kinds.items()}
             rows.append(row)
         return pd.DataFrame(rows)
 
     def view(self, name: str) -> Any:
-        """What :mod:`studies.pages.views` makes of the reports: a function of that name there."""
-        return getattr(views, name)(self)
+        """What ``studies.pages.views`` or ``.theory`` makes of the reports: a function there."""
+        return getattr(views if hasattr(views, name) else theory, name)(self)

@@ -14,8 +14,9 @@ import pytest
 import sphsolid as sph
 from studies import readme_table
 from studies.methods import B_BAR, PACKAGE, SUPG
-from studies.pages import markdown_table
+from studies.pages import markdown_table, theory
 from studies.pages.code import Block, blocks, run_page
+from studies.pages.reports import Reports
 
 ROOT = Path(__file__).resolve().parents[2]
 PAGES = [
@@ -98,6 +99,59 @@ def test_tables_of_pages_keep_their_columns():
     assert markdown_table(frame, {"what": "of", "value": "v"}, {"value": ".1e"}).splitlines() == [
         "| of | v |", "| --- | --- |", "| \\|r\\| small | 2.5e-01 |",
     ]  # fmt: skip
+
+
+def a_report(root: Path, study: str, **tables: pd.DataFrame) -> Reports:
+    folder = root / "reports" / study
+    folder.mkdir(parents=True)
+    (folder / "run.json").write_text("{}")
+    for table, frame in tables.items():
+        frame.to_csv(folder / f"{table}.csv", index=False)
+    return Reports(root)
+
+
+def test_the_map_of_hard_cases_says_what_became_of_a_run(tmp_path):
+    columns = ["case", "method", "energy_kept", "unseen_rms", "verdict", "why"]
+    rows = [
+        ("column", "a", 0.98, 0.1, "sound", None),
+        ("punch", "a", 0.64, 0.4, "useless", "folded (unseen motion 0.4)"),
+        ("seeded noise", "a", 2e-5, 0.1, "sound", None),
+        ("column", "b", 0.4, 0.1, "useless", "kept 40% of the energy"),
+        ("punch", "b", 1e6, 0.1, "diverged", "non-finite"),
+        ("seeded noise", "b", None, None, "not applicable", "no such field"),
+        ("column", "a variant", 0.98, 0.1, "sound", None),
+        ("long column 1/4", "a", 0.97, 0.1, "sound", None),
+    ]
+    reports = a_report(tmp_path, "stability", table=pd.DataFrame(rows, columns=columns))
+    short = theory.hard_short(reports)
+    assert short is not None
+    assert list(short) == ["case", "a", "b"], "variants are left out"
+    assert list(short["a"]) == ["0.980", "0.640, folded", "2e-05"]
+    assert list(short["b"]) == ["0.400, useless", "diverged", "–"]
+    long = theory.hard_long(reports)
+    assert long is not None
+    assert long.to_dict("records") == [{"case": "long column 1/4", "a": "0.970"}]
+
+
+def test_stability_limits_stand_side_by_side(tmp_path):
+    columns = ["integrator", "formulation", "nu", "cfl_slow", "cfl_fast"]
+    rows = [("RK", "{p,F}", 0.3, 0.85, 0.9), ("RK", "{p,F}", 0.4, 0.8, 0.83),
+            ("Verlet", "{p,F}", 0.3, 0.96, 0.96)]  # fmt: skip
+    reports = a_report(tmp_path, "stability", limits=pd.DataFrame(rows, columns=columns))
+    found = theory.limits(reports)
+    assert found is not None
+    assert list(found) == ["nu", "RK, {p,F}", "Verlet, {p,F}"]
+    assert list(found["RK, {p,F}"]) == ["0.85 (0.90)", "0.80 (0.83)"]
+    assert list(found["Verlet, {p,F}"]) == ["0.96 (0.96)", "–"]
+
+
+def test_a_page_leaves_out_a_table_that_a_report_has_not(tmp_path):
+    reports = a_report(tmp_path, "stability", table=pd.DataFrame({"case": ["column"]}))
+    a_report(tmp_path, "clouds", levels=pd.DataFrame({"h": [0.1]}))
+    a_report(tmp_path, "operators", table=pd.DataFrame({"variant": ["a"]}))
+    for view in ("limits", "growth", "hard_short", "hard_long", "pulse", "variants", "by_parts",
+                 "recovery", "cloud_limits"):  # fmt: skip
+        assert reports.view(view) is None, view
 
 
 # ------------------------------------------------------------------ code on pages

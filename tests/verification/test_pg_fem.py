@@ -191,7 +191,8 @@ def test_a_dilation_of_single_points_is_answered_the_right_way() -> None:
         return float(law.first_piola(material, *strains, 1.0 + 3.0 * r * J)[0]) / r
 
     for given in ((one.tau_F, one.tau_H, one.tau_J), (one.xi_F, one.xi_H, one.xi_J)):
-        expected = 3.0 * (material.kappa + material.mu) * given[2] - material.mu * given[0]
+        shear = material.mu * (given[0] + 2.0 * given[1])
+        expected = 3.0 * (material.kappa + material.mu) * given[2] - shear
         assert answer(*given) == pytest.approx(expected, rel=1e-4)
         assert answer(*given) > material.mu * given[0]
         assert answer(given[0], given[1], 0.0) < 0.0
