@@ -31,7 +31,7 @@ from sphsolid.record.display import duration
 from studies.engine.case import Case, Outcome, Row, load, partial_path, store, write_atomically
 from studies.engine.claims import Claim, claims_table
 from studies.engine.document import write_pdf
-from studies.engine.plotting import save_figure, style
+from studies.engine.plotting import for_a_report, save_figure, style
 from studies.engine.pool import Processes, Workers, longest_first, warm_up
 from studies.engine.progress import Reporter, reporter
 from studies.engine.provenance import cores, describe_run
@@ -285,7 +285,7 @@ def _report(study: Study, results: Results, claims: Sequence[Claim]) -> None:
         drawing = study.figures[name](results)
         if name in study.shown:
             save_figure(drawing, results.out / f"{name}.png")
-        return save_figure(drawing, made / f"{name}.pdf")
+        return for_a_report(drawing, made / name)
 
     with style():
         report = document(
