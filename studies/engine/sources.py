@@ -15,7 +15,7 @@ import importlib.util
 import sys
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, cached_property
 from pathlib import Path
 from typing import Any
 
@@ -64,11 +64,13 @@ def _hash(roots: tuple[Definition, ...]) -> str:
         one = waiting.pop()
         followed = one[0].split(".")[0] in own and not one[0].startswith(_ENGINE)
         module = _read(one[0]) if followed else None
+        if module is not None and module.is_part_of_a_solver:
+            one = one[0], ""
         if module is None or one in seen:
             continue
         seen.add(one)
         if module.is_part_of_a_solver:
-            texts.update(map(module.text, module.statements))
+            texts.update(module.whole_text)
             waiting += module.imported_anywhere
             continue
         if one[1] in module.imported:
@@ -97,7 +99,12 @@ class _Module:
         """True for a module of theirs; a package only hands on the names of its modules."""
         return self.name.split(".")[0] in _SOLVERS and not self.is_package
 
-    @property
+    @cached_property
+    def whole_text(self) -> frozenset[str]:
+        """Of all that it defines."""
+        return frozenset(map(self.text, self.statements))
+
+    @cached_property
     def imported_anywhere(self) -> list[Definition]:
         """What it imports, inside functions too."""
         tree = ast.Module(self.statements, [])
