@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
+from sphsolid.compiled import inlined
 from sphsolid.continuum.law_registry import register_law
 from sphsolid.continuum.moduli import bulk_modulus, check_elastic, shear_modulus
 from sphsolid.continuum.tensor import (
@@ -50,11 +51,13 @@ class SaintVenantKirchhoff(NamedTuple):
         return False
 
 
+@inlined
 def _green_strain(F: Tensor) -> Tensor:
     """``E = (F^T F - I)/2``."""
     return scale(0.5, axpy(-1.0, IDENTITY, multiply(transpose(F), F)))
 
 
+@inlined
 def _stress_of(m: SaintVenantKirchhoff, E: Tensor) -> Tensor:
     """``S = lambda (tr E) I + 2 mu E`` [Pa]."""
     lame = m.kappa - 2.0 / 3.0 * m.mu

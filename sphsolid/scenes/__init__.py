@@ -4,6 +4,7 @@ from sphsolid.geometry import Blocks, Box, HoledBlock, Region, Tagged
 from sphsolid.scenes.bending_column import bending_column
 from sphsolid.scenes.cable import Pulse, Step, cable
 from sphsolid.scenes.constraint import Constraint, Fixed
+from sphsolid.scenes.csm3 import OnCylinder, PlaneClamp, csm3, csm3_spacing
 from sphsolid.scenes.l_shaped_block import l_shaped_block
 from sphsolid.scenes.plate_with_hole import SlowPull, gross_concentration, plate_with_hole
 from sphsolid.scenes.punch import HeldVelocity, InitialVelocity, punch
@@ -23,6 +24,8 @@ __all__ = [
     "InitialVelocity",
     "NoBodyForce",
     "NoExactSolution",
+    "OnCylinder",
+    "PlaneClamp",
     "Pulse",
     "Region",
     "Scene",
@@ -33,6 +36,8 @@ __all__ = [
     "amplitude_of_gradient",
     "bending_column",
     "cable",
+    "csm3",
+    "csm3_spacing",
     "gross_concentration",
     "l_shaped_block",
     "plate_with_hole",

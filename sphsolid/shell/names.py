@@ -29,8 +29,9 @@ def _by_name(*classes: Any) -> Named:
 
 
 SCENES = _by_name(
-    scenes.bending_column, scenes.cable, scenes.l_shaped_block, scenes.plate_with_hole,
-    scenes.punch, scenes.spinning_cube, scenes.swinging_cube, scenes.twisting_column,
+    scenes.bending_column, scenes.cable, scenes.csm3, scenes.l_shaped_block,
+    scenes.plate_with_hole, scenes.punch, scenes.spinning_cube, scenes.swinging_cube,
+    scenes.twisting_column,
 )  # fmt: skip
 BODIES = _by_name(Box, Blocks, HoledBlock, TetBox, MeshFile, PointCloud) | {
     "PointCloud.fill": PointCloud.fill

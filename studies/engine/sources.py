@@ -75,7 +75,7 @@ def _hash(roots: tuple[Definition, ...]) -> str:
             continue
         if one[1] in module.imported:
             waiting.append(module.imported[one[1]])
-        elif one[1] not in module.defined and _file_of(f"{one[0]}.{one[1]}"):
+        elif module.is_package and one[1] not in module.defined:
             waiting.append((f"{one[0]}.{one[1]}", ""))
         for node in module.defined.get(one[1], ()):
             texts.add(module.text(node))
@@ -161,8 +161,11 @@ def _read(module: str) -> _Module | None:
     path = _file_of(module)
     if path is None:
         return None
-    text = path.read_text(encoding="utf-8")
-    is_package = path.name == "__init__.py"
+    return _parsed(module, path.name == "__init__.py", path.read_text(encoding="utf-8"))
+
+
+@cache
+def _parsed(module: str, is_package: bool, text: str) -> _Module:
     within = f"{module}.__init__" if is_package else module
     defined: dict[str, list[ast.stmt]] = {}
     imported: dict[str, Definition] = {}
