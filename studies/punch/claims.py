@@ -58,7 +58,7 @@ def claims(tables: Tables) -> list[Claim]:
         *_pressure(table), _h1_and_h6(table), _cost(tables["cost"]), _distortion(table),
         Claim(
             "SUPG-SPH is more accurate than JST-SPH with as many particles", {}, ">=", 1.0,
-            source="paper", said="JST-SPH is not implemented here", wanted="-",
+            source="paper", said="see python -m studies.comparison", wanted="-",
         ),
         *_asked(table), *_of_the_default(table),
     ]  # fmt: skip
