@@ -260,17 +260,19 @@ HOURGLASS = DISPLACEMENT.but(
 )  # fmt: skip
 #: ... and with the gradient, kernel and smoothing length of the codes that ship it.
 HOURGLASS_AS_SHIPPED = HOURGLASS.but(
-    name="hourglass-controlled SPH, as shipped", marker="D", operator=sph.Literal("kernel"),
-    smoothing=sph.CubicSpline(), h_over_dx=2.0**0.5,
+    name="hourglass-controlled SPH, as shipped", marker="D", line="--",
+    operator=sph.Literal("kernel"), smoothing=sph.CubicSpline(), h_over_dx=2.0**0.5,
 )  # fmt: skip
 #: Earlier methods of the paper's authors, with their integrator and step.
 JST = PAPER.but(
-    name="JST-SPH", colour=YELLOW, marker="v", stabilisation=sph.JST(), smoothing=sph.CubicSpline(),
-    h_over_dx=1.0, angular_momentum=sph.NoProjection(),
+    name="JST-SPH", colour=BLACK, marker="v", line="--", stabilisation=sph.JST(),
+    smoothing=sph.CubicSpline(), h_over_dx=1.0, angular_momentum=sph.NoProjection(),
 )  # fmt: skip
-UPWIND = JST.but(name="upwind SPH", colour=GREEN, marker="^", stabilisation=sph.Upwind())
+UPWIND = JST.but(
+    name="upwind SPH", colour=YELLOW, marker="^", line="-", stabilisation=sph.Upwind()
+)
 UPWIND_LIMITED = UPWIND.but(
-    name="upwind SPH, limited", marker="<", stabilisation=sph.Upwind("limited")
+    name="upwind SPH, limited", marker="<", line=":", stabilisation=sph.Upwind("limited")
 )
 B_BAR = Method("B-bar FEM", "B-bar FEM", BLACK, "D", Elements(), line="-.")
 TAYLOR_HOOD = Method(
@@ -282,15 +284,15 @@ Q1 = Method(
     Elements((("element", fem.FullHex()),)), line=":",
 )  # fmt: skip
 NODAL_PRESSURE = Method(
-    "nodal pressure FEM", "tetrahedra, average nodal pressure", SKY, "1",
+    "nodal pressure FEM", "tetrahedra, average nodal pressure", ORANGE, "*",
     Elements((("element", fem.NodalPressureTet()),)), line="-.",
 )  # fmt: skip
-PG_FEM = Method("PG-FEM", "PG-FEM, tetrahedra", GREEN, "2", MixedElements(), line="-.")
+PG_FEM = Method("PG-FEM", "PG-FEM, tetrahedra", BLUE, "h", MixedElements(), line="-.")
 PG_FEM_HEX = Method(
-    "PG-FEM, hexahedra", "PG-FEM, hexahedra", GREEN, "3",
-    MixedElements((("method", fem.PGFEM(cells=fem.Hexahedra())),)), line="-.",
+    "PG-FEM, hexahedra", "PG-FEM, hexahedra", BLUE, "H",
+    MixedElements((("method", fem.PGFEM(cells=fem.Hexahedra())),)), line=":",
 )  # fmt: skip
-C_TOUCH = Method("C-TOUCH", "C-TOUCH finite volumes", PURPLE, "4", FiniteVolumes(), line="-.")
+C_TOUCH = Method("C-TOUCH", "C-TOUCH finite volumes", PURPLE, "8", FiniteVolumes(), line="-.")
 
 METHODS: dict[str, Method] = {
     method.name: method

@@ -23,7 +23,7 @@ from sphsolid.scheme.term import TermOption
 from studies.engine.plotting import panels
 from studies.engine.study import Case, Claim, Results, Row, Study, Tables, run_study
 from studies.measures import folding
-from studies.measures.swinging_cube import cube_scene, period_errors_of
+from studies.measures.swinging_cube import MOVING, cube_scene, period_errors_of
 from studies.methods import PACKAGE, Method
 from studies.stability.hard_problems import Column, Problem, Punch
 from studies.stability.waves import vibration
@@ -117,7 +117,7 @@ def run_vibration(*, part: str, value: str, method: Method, nu: float) -> list[R
 
 def run_cube(*, part: str, value: str, method: Method, nu: float) -> list[Row]:
     """Errors at large strain over one period, with a wave that begins moving."""
-    scene = cube_scene("manufactured", "A+B+C=0", poisson_ratio=nu, start="moving")  # type: ignore[arg-type]
+    scene = cube_scene(MOVING[1], "A+B+C=0", poisson_ratio=nu)
     sim = method.simulation(scene, spacing=1.0 / CUBE)
     try:
         errors = period_errors_of(sim)
