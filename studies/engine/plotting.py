@@ -171,7 +171,10 @@ def save_figure(figure: Figure, path: Path) -> Path:
             figure.savefig(drawn, dpi=200, metadata={"Software": None})
             # 256 colours of its own: a third of the size, and nobody sees a difference.
             with Image.open(drawn) as image:
-                few = image.convert("RGB").quantize(256, dither=Image.Dither.NONE)
+                # Rare colours too, such as the ends of a colour bar.
+                few = image.convert("RGB").quantize(
+                    256, method=Image.Quantize.MAXCOVERAGE, dither=Image.Dither.NONE
+                )
             few.save(path, optimize=True)
         else:
             figure.savefig(path, metadata=nothing)
