@@ -130,12 +130,15 @@ def test_the_default_is_asked_for_slopes_and_largest_errors(
     nu: float, changes: dict[str, float], verdicts: list[str]
 ) -> None:
     good = {
-        "scene": "linear", "family": "A+B+C=0", "folded": False, "slope_p_last": 2.0,
+        "scene": "linear, moving start", "family": "A+B+C=0", "folded": False, "slope_p_last": 2.0,
         "slope_P_last": 1.95, "error_p_h16": 4.4e-3, "error_P_h16": 1.0e-2,
     }  # fmt: skip
+    # One level of the wave that begins displaced: no slopes.
+    displaced = {"scene": "linear", "slope_p_last": math.nan, "slope_P_last": math.nan}
     rows = [
-        good | {"nu": nu, "method": name} | (changes if name == "package default" else {})
+        good | {"nu": nu, "method": name} | (changes if name == "package default" else {}) | start
         for name in ("package default", "B-bar FEM")
+        for start in ({}, displaced)
     ]
     summary = pd.DataFrame(rows, columns=convergence.SUMMARY)
     table = pd.DataFrame(columns=convergence.COLUMNS)
