@@ -14,8 +14,8 @@ The stress is that of the stabilised strains of [Lee2017] eq. (28),
 
 and the nodes' forces are those nearest to it that have no moment (least squares, [Lee2016]), which
 makes angular momentum exact.  The local projection of [Lee2017] section 6, the nearest ``P^C`` at
-every point, does not serve here: nodal ``F`` and ``grad x`` part, and on the twisting column it
-brings in a third of the energy.  ``R_p = DIV P + f0 - dp/dt`` of eq. (29c) has the divergence of
+every point, does not serve here: nodal ``F`` and ``grad x`` part, and where a body twists it brings
+energy in.  ``R_p = DIV P + f0 - dp/dt`` of eq. (29c) has the divergence of
 the nodes' own stresses and the rate of this stage.  Fields are interpolated from the nodes.
 
 Integrals of shape functions make force and rate of ``F`` adjoint; what is left of the chain rule
@@ -59,7 +59,7 @@ class PGFEM:
     mu (xi_F + 2 xi_H)] I``: without ``xi_J`` the wrong way, and likewise with ``tau``.  Where it is
     None, ``xi_J = (xi_F + 2 xi_H) mu / kappa``, which answers it as shear is answered; a larger one
     resists changes of volume of single points, and locks.  ``tau_H = tau_J = 1`` are needed near
-    incompressibility: without them the pressure of the twisting column is ten times too large.
+    incompressibility: nothing else resists residuals of ``H`` and ``J``, and pressures grow.
     """
 
     cells: CellKind = TETRAHEDRA

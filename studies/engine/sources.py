@@ -101,8 +101,8 @@ class _Module:
 
     @cached_property
     def whole_text(self) -> frozenset[str]:
-        """Of all that it defines."""
-        return frozenset(map(self.text, self.statements))
+        """Of all that it defines; its own docstring is none of that."""
+        return frozenset(map(self.text, (node for node in self.statements if not _is_text(node))))
 
     @cached_property
     def imported_anywhere(self) -> list[Definition]:
@@ -133,6 +133,10 @@ class _Module:
                 yield module, others[-1]
         for child in ast.iter_child_nodes(node):
             yield from self.used(child, local)
+
+
+def _is_text(node: ast.stmt) -> bool:
+    return isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant)
 
 
 _SCOPES = (

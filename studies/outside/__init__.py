@@ -2,7 +2,7 @@
 
 CalculiX solves the scenes from decks that are written from them: columns, a vibration, the L-shaped
 block, the punch and a swinging beam.  Where it is not installed, or with ``--codes ours``, its
-figures are those of the committed table.  Figures of particle codes stand beside ours.
+figures are those that an earlier run left.  Figures of particle codes stand beside ours.
 """
 
 from __future__ import annotations
@@ -132,7 +132,7 @@ def tables(rows: list[Row]) -> Tables:
 
 
 def with_stored(made: pd.DataFrame, stored: Path = STORED) -> pd.DataFrame:
-    """``made`` now, and of the committed table the runs that were not."""
+    """``made`` now, and of an earlier table the runs that were not."""
     if not stored.exists():
         return made
     before = pd.read_csv(stored)[list(made.columns)]
@@ -186,7 +186,7 @@ def words(tables: Tables) -> Mapping[str, Any]:
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:
-    """``--codes``: both, ours alone (CalculiX from the committed table), or CalculiX alone."""
+    """``--codes``: both, ours alone (CalculiX from an earlier run's table), or CalculiX alone."""
     parser.add_argument(
         "--codes", choices=("both", "ours", "outside"), default="both",
         help="what is run (default both; CalculiX only where it is installed)",

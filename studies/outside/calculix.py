@@ -118,5 +118,5 @@ def _require_program() -> None:
     if not installed():
         raise InputError(
             f"CalculiX is not installed ({PROGRAM} is not on the path): install the Debian package "
-            "calculix-ccx, or read the committed table"
+            "calculix-ccx, or run our solvers alone with --codes ours"
         )
