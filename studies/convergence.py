@@ -46,7 +46,7 @@ from studies.measures.swinging_cube import (
     period_errors_of,
 )
 from studies.measures.tables import select
-from studies.methods import B_BAR, DISPLACEMENT, PACKAGE, SUPG, Method
+from studies.methods import B_BAR, DISPLACEMENT, METHODS, PACKAGE, SUPG, Method
 from studies.methods import PAPER as REGISTERED
 
 NU, NEARLY_INCOMPRESSIBLE = 0.3, 0.499
@@ -118,6 +118,9 @@ BY_ORDER = {
     )
     for order in (2, 4, 6)
 }
+#: Every other registered method, to 17^3: a new one needs no line here.
+OTHERS = tuple(each for each in METHODS.values() if each not in (*HEADLINE, REGISTERED))
+FINEST_OTHERS = 16
 #: Orders beyond that of position Verlet need another integrator.
 WITH_RKN4 = {order: BY_ORDER[order].but(integrator=sph.SymplecticRKN4()) for order in (4, 6)}
 
@@ -226,6 +229,13 @@ def of_rubber(cells: int) -> Iterator[Case]:
             yield _case(method, cells, "linear", "A+B+C=0", NEARER)
 
 
+def of_others(cells: int) -> Iterator[Case]:
+    """Every other registered method, in the linear limit and at large strain, A+B+C=0."""
+    if cells <= FINEST_OTHERS:
+        for scene, method in itertools.product(SCENES, OTHERS):
+            yield _case(method, cells, scene, "A+B+C=0")
+
+
 def cases(options: argparse.Namespace) -> list[Case]:
     """Every run of the study, coarse levels first."""
     usual = FINEST_QUICK if options.quick else FINEST
@@ -240,7 +250,7 @@ def cases(options: argparse.Namespace) -> list[Case]:
         elif not options.quick:
             listed += nearly_incompressible(cells, with_H1)
         if not options.quick:
-            listed += of_rubber(cells)
+            listed += [*of_rubber(cells), *of_others(cells)]
     return listed
 
 
@@ -439,6 +449,27 @@ def scenes_figure(results: Results, methods: Sequence[Method], nested: bool) -> 
     return figure
 
 
+def others_figure(results: Results) -> Figure:
+    """Every other registered method beside the default and the elements, nu = 0.3, A+B+C=0."""
+    figure, axes = panels(2, 2, width=3.7, height=3.3)
+    for column, scene in enumerate(SCENES):
+        for row, (field, word) in enumerate(_FIELD.items()):
+            part = select(
+                results.tables["table"], scene=scene, family="A+B+C=0", field=field, nu=NU
+            )
+            part = part[part["h"] >= 1.0 / FINEST_OTHERS]
+            shown = [each for each in OTHERS if (part["method"] == each.name).any()]
+            convergence_panel(
+                axes[row, column],
+                _curves(part, [PACKAGE, B_BAR, *shown], nested=False),
+                title=f"{scene}: {word}",
+                y_label="" if column else "relative L2 error [-]",
+                x_label="spacing h [m]" if row else "",
+            )
+    outside_legend(figure, axes.flat, columns=3)
+    return figure
+
+
 def incompressible_figure(results: Results) -> Figure:
     """All methods at nu = 0.499."""
     figure, axes = panels(1, 2, width=3.6, height=3.0)
@@ -471,8 +502,8 @@ def words(tables: Tables) -> Mapping[str, Any]:
             (*key, runs) for key, runs in summary.groupby(["scene", "family", "nu"], sort=False)
         ],
         "instants": INSTANTS, "amplitude": LINEAR_AMPLITUDE, "gradient": LARGEST_GRADIENT,
-        "nu": NU, "near": NEARLY_INCOMPRESSIBLE, "rubber": RUBBER, "nearer": NEARER,
- "xi_F": PAPER_XI_F, "tau_p": PAPER_TAU_P,
+        "others": [each.name for each in OTHERS], "nu": NU, "near": NEARLY_INCOMPRESSIBLE,
+        "rubber": RUBBER, "nearer": NEARER, "xi_F": PAPER_XI_F, "tau_p": PAPER_TAU_P,
         "cfl": CFL, "package_cfl": default_cfl(default_integrator()),
         "integrator": default_integrator().name,
         "default_operator": default_operator(Box().mesh(0.125), restrained=True).name,
@@ -497,6 +528,7 @@ STUDY = Study(
         "convergence": partial(scenes_figure, methods=HEADLINE, nested=False),
         "formulations": partial(scenes_figure, methods=BY_OPERATOR[PAPER.name], nested=True),
         "incompressible": incompressible_figure,
+        "others": others_figure,
     },
     shown=("convergence",),
     words=words,

@@ -15,8 +15,9 @@ from typing import Any
 
 import pandas as pd
 
-from studies.comparison.claims import COMPARABLE, DRIFT, claims
+from studies.comparison.claims import AGREE, COMPARABLE, DRIFT, LIMIT, claims
 from studies.comparison.contenders import (
+    AGREEING,
     BARE,
     BY_NAME,
     COLUMN,
@@ -28,7 +29,6 @@ from studies.comparison.contenders import (
     PAPERS,
     PETROV,
     PUNCH,
-    QUADRATIC,
     SELF_ADJOINT,
     TOUCH,
     Contender,
@@ -60,6 +60,7 @@ from studies.comparison.tables import (
     OMEGA,
     PUNCH_AT,
     PUNCH_FINE,
+    papers_column,
     tables,
 )
 from studies.engine.study import Case, Study, Tables
@@ -68,13 +69,18 @@ from studies.pareto.problems import FAMILY as CUBE_FAMILY
 from studies.pictures.picture import keeping
 from studies.stability.judgement import CRITERIA, SOUND
 from studies.twisting_column.outside import NAME as OUTSIDE
+from studies.twisting_column.outside import sequence_frame
 
 #: Amplitudes of the cube.
 SCENES = tuple(AMPLITUDES)
-#: Cells a side of the cube, and a metre of the column; the slow ones get those but the last.
-CUBES, COLUMNS = (4, 8, 16), (3, 4, 5, 6)
-#: Who is run on the finest column: those of whom the claims speak, if they are not slow.
-FINEST = (DEFAULT, SELF_ADJOINT, PAPERS, JSTS, ELEMENTS, QUADRATIC)
+#: Cells a side of the cube, and a metre of the column.
+CUBES, COLUMNS = (4, 8, 16), (3, 4, 5)
+#: Lattices that some have beside them: those of whom the claims speak, and those whose limits
+#: must agree.
+FINER = {
+    **dict.fromkeys((DEFAULT, SELF_ADJOINT, PAPERS, JSTS), (6,)),
+    **dict.fromkeys(AGREEING, (6, 8, 12)),
+}
 #: The column of the hard cases: angular velocity [rad/s], Poisson's ratio, cells a metre.
 HARD_COLUMNS = ((200.0, NU, 5), (OMEGA, 0.3, 4))
 #: Lattices of the column on which a step is timed.
@@ -90,8 +96,8 @@ def _weight(one: Contender) -> float:
 
 def _of_scenes(one: Contender, quick: bool, out: Path) -> Iterator[Case]:
     weight = _weight(one)
-    cubes: Sequence[int] = CUBES[:-1] if one.slow else CUBES
-    columns: Sequence[int] = COLUMNS if one in FINEST else COLUMNS[:-1]
+    cubes: Sequence[int] = CUBES
+    columns: Sequence[int] = (*COLUMNS, *FINER.get(one, ()))
     if quick:
         cubes, columns = CUBES[:2], COLUMNS[:1]
     for scene in SCENES[-1:] if quick else SCENES:
@@ -204,7 +210,7 @@ def words(found: Tables) -> Mapping[str, Any]:
         ("noise", "noise", twisted), ("verdict", "verdict", twisted), ("why", "why", twisted),
     ):  # fmt: skip
         side[column] = [frame[source].get(name) for name in side["method"]]
-    columns = select(named, omega=OMEGA, nu=NU)
+    columns = papers_column(named)
     finest = columns["cells"].max()
     return {
         "shown": table.assign(**shares, top_mm=1.0e3 * table["top_error"]),
@@ -217,6 +223,8 @@ def words(found: Tables) -> Mapping[str, Any]:
             us=1.0e6 * found["cost"]["step_s"],
             ns=1.0e9 * found["cost"]["step_s"] / found["cost"]["particles"],
         ),
+        "sequences": sequence_frame(papers_column(runs), [one.name for one in AGREEING]),
+        "agree": AGREE, "limit": LIMIT,
         "merit": found["merit"], "others": int((~found["merit"]["as_published"]).sum()),
         "criteria": CRITERIA, "outside": OUTSIDE, "nu": NU, "omega": OMEGA, "cube_nu": CUBE_NU,
         "family": CUBE_FAMILY, "seed_cells": SEED_CELLS, "spin_cells": SPIN_CELLS,

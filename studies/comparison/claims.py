@@ -9,6 +9,7 @@ from typing import Any
 import pandas as pd
 
 from studies.comparison.contenders import (
+    AGREEING,
     BARE,
     DEFAULT,
     JSTS,
@@ -16,15 +17,21 @@ from studies.comparison.contenders import (
     PETROV,
     PRINTED,
 )
-from studies.comparison.tables import FOLDED, MEASURES
+from studies.comparison.tables import FOLDED, MEASURES, papers_column
 from studies.engine.claims import Claim
 from studies.engine.results import Tables
 from studies.measures.tables import select
 from studies.stability.judgement import SOUND
+from studies.twisting_column.outside import NAME as OUTSIDE
+from studies.twisting_column.outside import has_limit, twist_sequence
+from studies.twisting_column.runs import lattice
 
 COMMAND = "python -m studies.comparison"
 #: "Comparable" is at most so many times the error; drift of a momentum over its scale.
 COMPARABLE, DRIFT = 1.5, 1.0e-12
+#: Asked of the twist of four meshes at 0.1 s: how far the finest ones are from each other, and
+#: their limits from that of the code outside.
+AGREE, LIMIT = 0.02, 0.01
 
 
 def claims(tables: Tables) -> list[Claim]:
@@ -32,7 +39,7 @@ def claims(tables: Tables) -> list[Claim]:
     return [
         *_of_accuracy(tables["table"]), *_of_cost(tables["cost"]), *_of_petrov(tables),
         *_of_the_default(tables["table"]), *_of_conservation(tables["spin"]),
-        *_of_soundness(tables["runs"]),
+        *_of_agreement(papers_column(tables["runs"])), *_of_soundness(tables["runs"]),
     ]  # fmt: skip
 
 
@@ -141,6 +148,35 @@ def _of_conservation(spin: pd.DataFrame) -> Iterator[Claim]:
             f"{kind} momentum of a free spinning cube drifts by at most {DRIFT:g} of its scale",
             drifts, "<=", DRIFT, where=COMMAND, said=said,
         )  # fmt: skip
+
+
+def _of_agreement(columns: pd.DataFrame) -> Iterator[Claim]:
+    """Meshes that share nothing but the scene come to one twist, and to that of another code."""
+    found = {
+        one.name: twist_sequence(columns, one.name)
+        for one in AGREEING
+        if has_limit(columns, one.name)
+    }
+    if len(found) < 2:
+        return
+    finest = {name: float(each.twist[-1]) for name, each in found.items()}
+    middle = 0.5 * (max(finest.values()) + min(finest.values()))
+    listed = ", ".join(
+        f"{name} {finest[name]:.3f} on {lattice(each.cells[-1])}" for name, each in found.items()
+    )
+    spread = (max(finest.values()) - min(finest.values())) / middle
+    yield Claim(
+        "twist of the column at 0.1 s on the finest meshes, largest less smallest", spread, "<=",
+        AGREE, where=COMMAND, said=f"{100.0 * spread:.1f}%: {listed} rad",
+    )  # fmt: skip
+    limits = {name: abs(each.limit_error) for name, each in found.items()}
+    listed = ", ".join(
+        f"{name} {100.0 * each.limit_error:+.2f}% ± {100.0 * each.limit_within:.2f}"
+        for name, each in found.items()
+    )
+    yield Claim(
+        f"limit of that twist against {OUTSIDE}", limits, "<=", LIMIT, where=COMMAND, said=listed,
+    )  # fmt: skip
 
 
 def _of_soundness(runs: pd.DataFrame) -> Iterator[Claim]:

@@ -34,7 +34,7 @@ class Contender:
     """A method under one name and look, with its options on each scene.
 
     ``cube``, ``column`` and ``punch`` are the same method as each scene sets it.  ``slow``: its
-    kernels are not compiled through, so it is given coarse lattices only.
+    kernels are not compiled through, so its runs are long ones.
     """
 
     cube: Method
@@ -104,6 +104,9 @@ PARTICLES = (
 MESHES = (ELEMENTS, QUADRATIC, FULL, NODAL, PETROV, PETROV_HEX, TOUCH)
 CONTENDERS = (*PARTICLES, *MESHES)
 BY_NAME = {one.name: one for one in CONTENDERS}
+#: Meshes whose twist of the column must come to one value: locking-free and quadratic elements,
+#: the paper's finite elements and finite volumes.
+AGREEING = (ELEMENTS, QUADRATIC, PETROV, TOUCH)
 #: What the paper says of itself in order: the best first, equal ones in one group.
 PAPERS_ORDER = ((PAPERS.name, PETROV.name), (JSTS.name,), (CLASSICAL.name,))
 #: Formulations of the peers beside those that the paper's figures have.

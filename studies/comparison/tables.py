@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Sequence
 
@@ -14,6 +15,7 @@ from studies.comparison.runs import column_case, punch_case
 from studies.engine.case import Row
 from studies.engine.results import Tables
 from studies.measures import folding
+from studies.measures.order import last_order
 from studies.measures.tables import select
 from studies.pareto.iso_error import envelope, iso_error
 from studies.stability.judgement import SOUND, judge
@@ -62,7 +64,7 @@ def tables(rows: list[Row]) -> Tables:
     table = equal_particles(cube, runs, cost)
     return {
         "table": table, "cube": cube, "runs": runs, "cost": cost, "spin": _of(rows, "spin", SPIN),
-        "equal_error": equal_error(cube, runs), "merit": merit(table),
+        "equal_error": equal_error(cube, runs), "merit": merit(table), "orders": orders(cube),
         "history": _of(rows, "instant", ["case", "method", "time"]),
     }  # fmt: skip
 
@@ -166,7 +168,7 @@ def equal_error(cube: pd.DataFrame, runs: pd.DataFrame) -> pd.DataFrame:
     """
     rows = []
     large = select(cube, scene="manufactured").assign(scene="cube")
-    twisted = runs[(runs["omega"] == OMEGA) & (runs["nu"] == NU)]
+    twisted = papers_column(runs)
     for scene, measure, asked in EQUAL:
         table = large if scene == "cube" else twisted
         for name in BY_NAME:
@@ -183,6 +185,31 @@ def equal_error(cube: pd.DataFrame, runs: pd.DataFrame) -> pd.DataFrame:
             )  # fmt: skip
     columns = ["scene", "measure", "asked", "method", "how", "particles", "seconds", "finest"]
     return pd.DataFrame(rows, columns=columns)
+
+
+def papers_column(runs: pd.DataFrame) -> pd.DataFrame:
+    """The runs of the column of the paper, on every lattice."""
+    return select(runs, omega=OMEGA, nu=NU)
+
+
+def orders(cube: pd.DataFrame) -> pd.DataFrame:
+    """The slope of the last refinement of the cube: a row a method.
+
+    Columns ``p_linear, P_linear, p_manufactured, P_manufactured`` and ``cells``, the finest.
+    """
+    rows = []
+    for name in dict.fromkeys(cube["method"]):
+        own = select(cube, method=name, survived=True)
+        row: Row = {"method": name, "cells": own["cells"].max()}
+        for (scene, runs), (letter, word) in itertools.product(
+            own.groupby("scene", sort=False), (("p", "momentum"), ("P", "stress"))
+        ):
+            if len(runs) >= 2:
+                row[f"{letter}_{scene}"] = last_order(1.0 / runs["cells"], runs[word])
+        if len(row) > 2:
+            rows.append(row)
+    slopes = [f"{letter}_{scene}" for scene in ("linear", "manufactured") for letter in "pP"]
+    return pd.DataFrame(rows, columns=["method", "cells", *slopes])
 
 
 def merit(table: pd.DataFrame) -> pd.DataFrame:
