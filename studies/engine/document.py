@@ -171,7 +171,10 @@ def write_pdf(document: Document, path: Path) -> None:
         source = Path(folder) / "document.typ"
         source.write_text(to_typst(document, Path(folder)), encoding="utf-8")
         made = Path(folder) / "document.pdf"
-        typst.compile(str(source), output=str(made), root=folder, ignore_system_fonts=True)
+        # Tags of every cell of every table would be four fifths of the file.
+        typst.compile(
+            str(source), output=str(made), root=folder, ignore_system_fonts=True, pdf_tags=False
+        )
         part = path.with_name(f".{path.name}.part")
         shutil.copyfile(made, part)
         part.replace(path)

@@ -157,7 +157,7 @@ def for_a_report(figure: Figure, path: Path) -> Path:
     path = path.with_suffix(".jpg")
     path.parent.mkdir(parents=True, exist_ok=True)
     with style():
-        figure.savefig(path, dpi=170, pil_kwargs={"quality": 85, "optimize": True})
+        figure.savefig(path, dpi=150, pil_kwargs={"quality": 80, "optimize": True})
     return path
 
 

@@ -58,11 +58,13 @@ def write_table(table: pd.DataFrame, folder: Path, name: str) -> Path:
     """Write a table whole or not at all, floats with ten digits; gives its file.
 
     A long one, more than :data:`LONG` bytes of text, is compressed: ``name.csv.gz``, equal bytes
-    for equal tables.
+    for equal tables.  It has the seven digits of a float of 32 bits, more than figures show.
     """
-    text = table.to_csv(index=False, float_format="%.10g")
     plain, packed = (folder / f"{name}.csv{suffix}" for suffix in ("", ".gz"))
-    path, other = (packed, plain) if len(text) > LONG else (plain, packed)
+    text, path, other = table.to_csv(index=False, float_format="%.10g"), plain, packed
+    if len(text) > LONG:
+        text = table.to_csv(index=False, float_format="%.7g")
+        path, other = packed, plain
     # No time and no file name enter the header.
     write_atomically(path, gzip.compress(text.encode(), mtime=0) if path is packed else text)
     other.unlink(missing_ok=True)
@@ -70,10 +72,14 @@ def write_table(table: pd.DataFrame, folder: Path, name: str) -> Path:
 
 
 def read_table(folder: Path, name: str) -> pd.DataFrame:
-    """A table that :func:`write_table` wrote; raises ``InputError`` where there is none."""
+    """A table that :func:`write_table` wrote; raises ``InputError`` where there is none, or two."""
     found = [path for path in (folder / f"{name}.csv", folder / f"{name}.csv.gz") if path.exists()]
     if not found:
         raise InputError(f"{folder} has no table {name}.csv: run the study again")
+    if len(found) > 1:
+        raise InputError(
+            f"{folder} has {name}.csv and {name}.csv.gz, one of them of an earlier run: delete it"
+        )
     try:
         return pd.read_csv(found[0], keep_default_na=False, na_values=["", "nan"])
     except pd.errors.EmptyDataError:
