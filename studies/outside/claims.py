@@ -25,12 +25,13 @@ PLANE, CYLINDER = Beam(PlaneClamp()).name, Beam(OnCylinder()).name
 
 
 def claims(tables: Tables) -> list[Claim]:
-    """Two claims a method, over all problems, and those of the beam."""
+    """Three claims a method, over all problems, and those of the beam."""
     table = tables["table"]
     ours = table[table["method"] != CALCULIX]
     found = []
     for method, rows in ours.groupby("method", sort=False):
         for what, column in (
+            ("finest lattice within the share asked for of CalculiX", "off_finest"),
             ("limits of the lattices within the share asked for of CalculiX", "off_limit"),
             ("finest lattice within that share of its own limit", "left"),
         ):
@@ -43,6 +44,8 @@ def claims(tables: Tables) -> list[Claim]:
                 f"{problem} {row[column]:+.2%} ({row['quantity']})"
                 for problem, row in worst.items()
             )
+            if not worst:
+                continue
             sizes = {problem: abs(float(row[column])) for problem, row in worst.items()}
             found.append(
                 Claim(what, sizes, "<=", NEAR, where=str(method), said=said,
@@ -79,6 +82,19 @@ def _beam(tables: Tables) -> Iterator[Claim]:
                 {} if at is None or before is None else abs(before / at), ">=", BEAM_FALL,
                 where=method,
             )  # fmt: skip
+            yield Claim(
+                f"{problem}: the lattices come together, ratio of the last two changes",
+                _change(errors), ">=", BEAM_FALL, where=method,
+            )  # fmt: skip
+
+
+def _change(errors: dict[int, float]) -> float | dict[str, float]:
+    """By how much the change of a sequence fell on its last halving: no limit enters it."""
+    values = [errors.get(n) for n in ((BEAM_POINTS + 3) // 4, (BEAM_POINTS + 1) // 2, BEAM_POINTS)]
+    coarse, middle, fine = values
+    if coarse is None or middle is None or fine is None:
+        return {}
+    return abs((coarse - middle) / (middle - fine))
 
 
 def explained(tables: Tables) -> pd.DataFrame:
