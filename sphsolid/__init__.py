@@ -1,4 +1,4 @@
-"""Total-Lagrangian SUPG-SPH for explicit large-strain solid dynamics, built to be verified."""
+"""Total-Lagrangian SPH for explicit large-strain solid dynamics, built to be verified."""
 
 from sphsolid.cloud import (
     H1,

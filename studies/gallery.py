@@ -117,6 +117,11 @@ EXHIBITS = (
         0.5, 0.003, "free_end", "u_x [m]", flat_view(right="x", up="y"),
     ),
     Exhibit(
+        "csm3", "csm3(points=5)", lambda: scenes.csm3(points=5),
+        "A thin beam swings under its own weight: a benchmark of Turek and Hron.",
+        scenes.csm3_spacing(5), 0.5, "tip", "u_y [m]", flat_view(right="x", up="y"),
+    ),
+    Exhibit(
         "plate_with_hole",
         'plate_with_hole(body=MeshFile("plate_with_hole_hex.msh"), rise=1, hold=0.25)',
         _plate, "A quarter of a plate from a mesh file is pulled slowly: a static answer.",

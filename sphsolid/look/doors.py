@@ -75,6 +75,11 @@ def compare(
     require_matplotlib("compare()")
     from sphsolid.look.comparison import comparison
 
+    require(
+        not isinstance(labels, str),
+        f"compare: labels = {labels!r} must be a list, one for each run",
+    )
+    columns = [columns] if isinstance(columns, str) else columns
     return comparison(runs, field=field, columns=columns, labels=labels, up=up)
 
 
@@ -93,6 +98,9 @@ def animate(
     frames, and where matplotlib or pillow is not installed.
     """
     require_matplotlib("animate()")
+    require(
+        not isinstance(per_second, str), f"animate: per_second = {per_second!r} must be a number"
+    )
     from sphsolid.look.animation import animation_of
 
     return animation_of(folder, field=field, path=path, per_second=per_second, up=up)

@@ -9,6 +9,9 @@ from typing import Any
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
+from sphsolid.errors import require
+from sphsolid.paths import path_of
+
 #: Dots per inch on a screen.
 _SCREEN = 110
 
@@ -27,9 +30,19 @@ class Drawing(Figure):
         return buffer.getvalue()
 
     def save(self, path: str | Path, *, dpi: int = 200) -> Path:
-        """Write it by the suffix of ``path``; returns the path."""
-        self.savefig(path, dpi=dpi)
-        return Path(path)
+        """Write it by the suffix of ``path``; returns the path.
+
+        Raises ``InputError`` for a folder that is not there, and for a suffix of no known kind.
+        """
+        place = path_of(path)
+        require(place.parent.is_dir(), f"there is no folder {place.parent} for {place.name}")
+        known = self.canvas.get_supported_filetypes()
+        require(
+            place.suffix[1:].lower() in known,
+            f"{place.name}: a picture's name ends with one of {', '.join(sorted(known))}",
+        )
+        self.savefig(place, dpi=dpi)
+        return place
 
     def _repr_png_(self) -> bytes:
         return self.png()

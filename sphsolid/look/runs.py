@@ -47,7 +47,9 @@ def run_of(given: Any) -> Run:
 
 def run_in(folder: Path) -> Run:
     """The last frame and the history of a folder that a run left."""
-    last = read_frame(frame_files(folder)[-1][1])
+    frames = frame_files(folder)
+    require(len(frames) > 0, f"{folder} has no frame to look at yet")
+    last = read_frame(frames[-1][1])
     about = read_run(folder)
     table = folder / HISTORY
     history = read_history(table) if table.is_file() else History.of([])

@@ -18,6 +18,8 @@ _LINES: tuple[Any, ...] = ("-", "--", ":", "-.")
 _MARKERS = "osD^vP*X"
 #: Yellow is hard to see as a line.
 _COLOURS = (ORANGE, SKY, GREEN, BLUE, VERMILION, PURPLE, BLACK)
+#: Longer values of a setting are numbered, and written out below the panels.
+_LONGEST = 14
 Members = Sequence[tuple[Mapping[str, str], Mapping[str, Sequence[float]]]]
 
 
@@ -32,8 +34,11 @@ def sweep_figure(members: Members, column: str) -> Drawing:
     groups = list(dict.fromkeys(_group(values, before) for values, _ in members))
     steps = list(dict.fromkeys(values.get(last, "") for values, _ in members))
     name, unit = split(column)
+    short = _short(steps)
+    written_out = [f"{a}: {b}" for a, b in zip(short, steps, strict=True) if a != b]
     with style():
-        figure = Drawing(figsize=(9.0, 3.9), layout="constrained")
+        below = 0.2 * (len(written_out) + (len(groups) if len(groups) > 1 else 0))
+        figure = Drawing(figsize=(9.0, 3.9 + below), layout="constrained")
         left, right = figure.subplots(1, 2)
         for values, history in members:
             g, s = groups.index(_group(values, before)), steps.index(values.get(last, ""))
@@ -51,15 +56,24 @@ def sweep_figure(members: Members, column: str) -> Drawing:
         label(left, "time [s]", name, unit)
         label(right, last.rpartition(".")[2] or "case", f"{name} at the end", unit)
         right.ticklabel_format(axis="y", style="sci", scilimits=(-3, 4), useMathText=True)
-        right.set_xticks(np.arange(len(steps)), steps)
+        right.set_xticks(np.arange(len(steps)), short)
         if len(steps) > 1:
-            _line_styles(left, last, steps)
-        if len(groups) > 1:
+            _line_styles(left, last, short)
+        handles, labels = right.get_legend_handles_labels() if len(groups) > 1 else ([], [])
+        labels = [*labels, *written_out]
+        if labels:
+            handles = [*handles, *(Line2D([], [], linestyle="none") for _ in written_out)]
             # As many columns as the longest label leaves room for.
-            across = max(1, min(len(groups), 110 // (8 + max(map(len, groups)))))
-            handles, labels = right.get_legend_handles_labels()
+            across = max(1, min(len(labels), 110 // (8 + max(map(len, labels)))))
             figure.legend(handles, labels, loc="outside lower center", ncols=across)
     return figure
+
+
+def _short(values: Sequence[str]) -> list[str]:
+    """The values themselves, or ``(1)``, ``(2)`` where they are too long for a tick."""
+    if all(len(value) <= _LONGEST for value in values):
+        return list(values)
+    return [f"({k + 1})" for k in range(len(values))]
 
 
 def _group(values: Mapping[str, str], names: Sequence[str]) -> str:

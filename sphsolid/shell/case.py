@@ -56,7 +56,8 @@ class Setting:
 class Case:
     """What a file asks for: a scene, a solver with its keywords, and how to run it.
 
-    ``name`` is that of the file; ``values`` the tables as they were read, with what was set.
+    ``name`` is that of the file at ``path``; ``values`` the tables as they were read, with what
+    was set; ``files`` are those that it names.
     """
 
     name: str
@@ -69,6 +70,8 @@ class Case:
     problems: Problems
     text: str
     settings: tuple[Setting, ...] = ()
+    path: Path = Path()
+    files: tuple[Path, ...] = ()
 
     def simulation(self) -> Any:
         """The simulation; raises ``InputError`` as its constructor does, with the line to blame."""
@@ -103,7 +106,7 @@ def read_case(path: str | Path, *, settings: Sequence[Setting] = ()) -> Case:
     if not file.is_file():
         raise InputError(f"there is no case file {file}")
     try:
-        text = file.read_text(encoding="utf-8")
+        text = file.read_text(encoding="utf-8-sig")
     except (OSError, UnicodeDecodeError) as error:
         raise InputError(f"{file} cannot be read as a text in UTF-8: {error}") from None
     return case_of(text, name=file.stem, file=file.name, folder=file.parent, settings=settings)
@@ -138,7 +141,10 @@ def case_of(
     problems.raise_if_any()
     assert scene is not MISSING
     assert run is not MISSING
-    return Case(name, scene, solver, spacing, method, run, values, problems, text, tuple(settings))
+    return Case(
+        name, scene, solver, spacing, method, run, values, problems, text, tuple(settings),
+        folder / file, tuple(builder.files),
+    )  # fmt: skip
 
 
 def _set(values: dict[str, Any], setting: Setting, problems: Problems) -> None:
@@ -154,6 +160,11 @@ def _set(values: dict[str, Any], setting: Setting, problems: Problems) -> None:
             problems.add(setting.place, f"{spelled(setting.place[: k + 1])} is no table")
             return
     if isinstance(inside, list) and (not isinstance(last, int) or last >= len(inside)):
-        problems.add(setting.place, f"the list has {len(inside)} members, counted from 1")
+        name = spelled(setting.place[:-1])
+        problems.add(
+            setting.place,
+            f"{name} is a list of {len(inside)}, counted from 1; write {name}[1]"
+            + ("" if isinstance(last, int) else f".{last}"),
+        )
         return
     inside[last] = setting.value

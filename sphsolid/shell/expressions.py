@@ -37,7 +37,7 @@ FUNCTIONS: dict[str, tuple[Callable[..., Any], tuple[int, ...]]] = {
 }  # fmt: skip
 _BINARY: dict[type[ast.AST], Callable[[Any, Any], Any]] = {
     ast.Add: operator.add, ast.Sub: operator.sub, ast.Mult: operator.mul, ast.Div: operator.truediv,
-    ast.Pow: operator.pow, ast.Mod: operator.mod,
+    ast.Pow: np.power, ast.Mod: operator.mod,
 }  # fmt: skip
 _UNARY: dict[type[ast.AST], Callable[[Any], Any]] = {
     ast.UAdd: operator.pos, ast.USub: operator.neg, ast.Not: np.logical_not,
@@ -60,7 +60,10 @@ def parsed(text: str, names: tuple[str, ...]) -> ast.expr:
         reason = error.msg if isinstance(error, SyntaxError) else str(error)
         hint = "; write ** for a power" if "^" in text else ""
         raise InputError(f"{text!r} is no formula: {reason}{hint}") from None
-    _check(tree, text, names, 0)
+    try:
+        _check(tree, text, names, 0)
+    except RecursionError:
+        raise InputError(f"{text[:60]!r} ... is nested more than {_DEEPEST} deep") from None
     return tree
 
 
@@ -118,21 +121,26 @@ def _children(node: ast.expr) -> Sequence[ast.expr]:
 
 
 def value_of(text: str, variables: Mapping[str, Any]) -> Any:
-    """The formula worked out; raises ``InputError`` where that cannot be done."""
+    """The formula worked out by the rules of numpy: ``1/0`` is infinite, a root of -1 is nan.
+
+    Both sides of a choice are worked out, and one is taken.  Raises ``InputError`` where it
+    cannot be worked out.
+    """
     tree = parsed(text, tuple(variables))
+    known = {name: np.asarray(value, dtype=float)[()] for name, value in variables.items()}
     try:
         with np.errstate(all="ignore"):
-            return _value(tree, variables)
+            return _value(tree, known)
     except (OverflowError, ZeroDivisionError, ValueError, TypeError) as error:
         raise InputError(f"{text!r} cannot be worked out: {error}") from None
 
 
 def _value(node: ast.expr, names: Mapping[str, Any]) -> Any:
     if isinstance(node, ast.Constant):
-        # A float: powers of whole numbers could grow without end.
-        return float(node.value)  # type: ignore[arg-type]
+        # A float: powers of whole numbers could grow without end.  One of numpy: no exceptions.
+        return np.float64(node.value)  # type: ignore[arg-type]
     if isinstance(node, ast.Name):
-        return names[node.id] if node.id in names else CONSTANTS[node.id]
+        return names[node.id] if node.id in names else np.float64(CONSTANTS[node.id])
     if isinstance(node, ast.BinOp):
         return _BINARY[type(node.op)](_value(node.left, names), _value(node.right, names))
     if isinstance(node, ast.UnaryOp):
@@ -152,8 +160,30 @@ def _value(node: ast.expr, names: Mapping[str, Any]) -> Any:
 
 
 def number_in(text: str) -> float:
-    """A number written as a formula without variables: ``1/6``, ``2*pi``."""
-    return float(value_of(text, {}))
+    """A number written as a formula without variables: ``1/6``, ``2*pi``.
+
+    Raises ``InputError`` where it is not finite.
+    """
+    found = float(value_of(text, {}))
+    require(math.isfinite(found), f"{text!r} is {found}, which is no finite number")
+    return found
+
+
+def is_finite_somewhere(text: str, names: Sequence[str]) -> bool:
+    """Whether a formula in ``names`` is a finite number at any of a few places and times."""
+    tried = np.random.default_rng(0).uniform(0.01, 2.0, (len(names), 64))
+    signs = np.where(np.arange(64) % 2, 1.0, -1.0)
+    values = {
+        # Times are not negative.
+        name: row if name in AND_TIME else row * signs
+        for name, row in zip(names, tried, strict=True)
+    }
+    return bool(np.isfinite(np.asarray(value_of(text, values), dtype=float)).any())
+
+
+def is_condition(text: str, names: Sequence[str]) -> bool:
+    """Whether a formula says yes or no."""
+    return np.asarray(value_of(text, dict.fromkeys(names, 0.5))).dtype == bool
 
 
 @dataclass(frozen=True)

@@ -42,8 +42,10 @@ def key_lines(text: str) -> dict[Place, int]:
 def line_of(place: Place, lines: dict[Place, int]) -> int | None:
     """The line of a key, or of the nearest thing that it is in; None where even that is unknown."""
     for length in range(len(place), 0, -1):
-        if place[:length] in lines:
-            return lines[place[:length]]
+        # A table that should not be a list stands in its first member.
+        for known in (place[:length], (*place[:length], 0)):
+            if known in lines:
+                return lines[known]
     return None
 
 

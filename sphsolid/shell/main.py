@@ -1,7 +1,8 @@
 """The command ``sphsolid`` and its parts.
 
-Exit codes: 0 done; 1 the solution diverged, or members of a sweep failed; 2 wrong input; 130
-interrupted.  Nobody sees a traceback: what is wrong is one message on the standard error stream.
+Exit codes: 0 done; 1 the solution diverged, or members of a sweep did not end well; 2 wrong input;
+130 interrupted.  Nobody sees a traceback: what is wrong is one message on the standard error
+stream.
 """
 
 from __future__ import annotations
@@ -151,12 +152,13 @@ def _sweep(given: argparse.Namespace) -> int:
         path, product(given.settings), out=out, jobs=jobs, scheduler=given.scheduler,
         keep=given.keep, show=given.show, to=sys.stderr,
     )  # fmt: skip
-    failed = int((table["status"] == "failed").sum())
+    ends = table["status"][table["status"] != "complete"].value_counts()
     print((out / "sweep.md").read_text(encoding="utf-8"), end="")
     print(f"wrote {out}: sweep.csv, sweep.md" + (", sweep.png" if _drawn(out) else ""))
-    if failed:
-        print(f"{failed} of {len(table)} failed; the same command tries them again")
-    return DIVERGED if failed else 0
+    for status, count in ends.items():
+        more = "; the same command tries them again" if status == "failed" else ""
+        print(f"{count} of {len(table)} {status}{more}")
+    return DIVERGED if len(ends) else 0
 
 
 def _drawn(out: Path) -> bool:

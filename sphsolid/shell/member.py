@@ -24,13 +24,17 @@ SOURCES = source_hash()
 
 @dataclass(frozen=True)
 class Member:
-    """The case ``text`` of ``file`` in ``folder`` with ``settings``; ``kept`` its run's folder."""
+    """The case ``text`` of ``file`` in ``folder`` with ``settings``; ``kept`` its run's folder.
+
+    ``inputs`` are hashes of the files that the case names.
+    """
 
     text: str
     file: str
     folder: str
     settings: tuple[Setting, ...]
     kept: str = ""
+    inputs: tuple[str, ...] = ()
     sources: str = SOURCES
 
     @property
@@ -46,8 +50,16 @@ class Member:
     @property
     def number(self) -> str:
         """A hash of all that can change its rows."""
-        content = json.dumps([self.text, self.values, self.sources], sort_keys=True)
+        content = json.dumps([self.text, self.values, self.inputs, self.sources], sort_keys=True)
         return hashlib.sha256(content.encode()).hexdigest()[:16]
+
+
+def hash_of(file: Path) -> str:
+    """Of what a file holds; raises ``InputError`` where it cannot be read."""
+    try:
+        return hashlib.sha256(file.read_bytes()).hexdigest()
+    except OSError as error:
+        raise InputError(f"{file} cannot be read: {error}") from None
 
 
 @dataclass(frozen=True)

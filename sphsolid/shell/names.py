@@ -59,12 +59,14 @@ SPH: dict[str, Named] = {
 }
 SPH_NUMBERS = ("cfl", "h_over_dx")
 #: The same of the finite elements.
-FEM: dict[str, Named] = {"element": _by_name(fem.BBarHex, fem.TaylorHoodHex)}
+FEM: dict[str, Named] = {
+    "element": _by_name(fem.BBarHex, fem.TaylorHoodHex, fem.FullHex, fem.NodalPressureTet)
+}
 FEM_NUMBERS = ("cfl",)
 #: What may stand within another object.
 PARTS = _by_name(
     sph.OfMesh, sph.OfStep, *_SECONDARY, sph.SimplifiedHessian, sph.FullHessian,
     sph.StabilisedStrains, sph.AsPrinted, sph.SelfAdjoint, sph.Quartic, sph.Elastic,
     sph.NoStiffness, fem.LumpedMass, fem.ConsistentMass, scenes.Step, scenes.Pulse,
-    scenes.InitialVelocity, scenes.HeldVelocity,
+    scenes.InitialVelocity, scenes.HeldVelocity, scenes.PlaneClamp, scenes.OnCylinder,
 ) | BODIES  # fmt: skip

@@ -22,15 +22,20 @@ from sphsolid.shell.problems import MISSING, Problems
 _FILES = {
     "MeshFile": ("path",), "PointCloud": ("points", "surface"), "PointCloud.fill": ("surface",),
 }  # fmt: skip
-#: Types of arguments that are words.
+#: The type of a place or a vector, and types of arguments that are words.
+_TRIPLE = "Triple"
 _WORDS = ("str", "Literal", "OneOf", "Family", "Start", "Unit", "GradientKind")
 
 
 class Builder:
-    """Makes objects, and tells ``problems`` what cannot be made; files lie beside ``folder``."""
+    """Makes objects, and tells ``problems`` what cannot be made; files lie beside ``folder``.
+
+    ``files`` are those that the objects read: what comes of a case depends on them.
+    """
 
     def __init__(self, problems: Problems, folder: Path) -> None:
         self.problems, self.folder = problems, folder
+        self.files: list[Path] = []
 
     def make(self, value: Any, place: Place, known: Named, what: str) -> Any:
         """The object that ``value`` stands for, one of ``known``; ``MISSING`` with a problem."""
@@ -80,7 +85,7 @@ class Builder:
             kind = str(parameters[key].annotation)
             value = self._argument(value, kind, (*place, key))
             if isinstance(value, str) and key in _FILES.get(name, ()):
-                value = str(self.folder / Path(value).expanduser())
+                value = self._file(value, (*place, key))
             arguments[key] = value
         lacking = [
             key for key, each in parameters.items()
@@ -96,7 +101,7 @@ class Builder:
             # Messages name an argument with its value: that is where it stands.
             blamed = [key for key in arguments if f"{key} = " in str(error)]
             self.problems.add((*place, blamed[0]) if blamed else place, str(error))
-        except (TypeError, ValueError, AttributeError, IndexError) as error:
+        except (TypeError, ValueError, AttributeError, IndexError, OverflowError) as error:
             self.problems.add(place, f"{name}: {error}")
         return MISSING
 
@@ -115,6 +120,14 @@ class Builder:
             return MISSING
         return value
 
+    def _file(self, value: str, place: Place) -> Any:
+        file = self.folder / Path(value).expanduser()
+        if not file.is_file():
+            self.problems.add(place, f"there is no file {file}")
+            return MISSING
+        self.files.append(file)
+        return str(file)
+
     # ------------------------------------------------------------------ arguments
     def _argument(self, value: Any, kind: str, place: Place) -> Any:
         if kind == "bool":
@@ -127,11 +140,22 @@ class Builder:
             return value
         if kind in ("float", "float | None"):
             return self.number(value, place)
+        if kind == _TRIPLE or kind.startswith("tuple"):
+            return self._list(value, 3 if kind == _TRIPLE else None, place)
         if any(word in kind for word in _WORDS):
             return value if not isinstance(value, Mapping) else self._part(value, place)
         if isinstance(value, list | tuple):
             return tuple(self._member(each, (*place, k)) for k, each in enumerate(value))
         return self._part(value, place)
+
+    def _list(self, value: Any, length: int | None, place: Place) -> Any:
+        if not isinstance(value, list | tuple) or length not in (None, len(value)):
+            wanted = "a list" if length is None else f"a list of {length} numbers"
+            self.problems.add(place, f"{value!r} is not {wanted}")
+            return MISSING
+        if length is None:
+            return tuple(self._member(each, (*place, k)) for k, each in enumerate(value))
+        return tuple(self.number(each, (*place, k)) for k, each in enumerate(value))
 
     def _member(self, value: Any, place: Place) -> Any:
         if isinstance(value, list | tuple):

@@ -5,7 +5,7 @@ from __future__ import annotations
 import inspect
 from typing import Any
 
-from sphsolid.errors import InputError, nearest
+from sphsolid.errors import InputError, nearest, require
 from sphsolid.geometry import Region, Tagged
 from sphsolid.scenes import Constraint, Scene, Traction
 from sphsolid.shell.expressions import (
@@ -15,8 +15,8 @@ from sphsolid.shell.expressions import (
     FaceField,
     Field,
     TimeField,
-    parsed,
-    value_of,
+    is_condition,
+    is_finite_somewhere,
 )
 from sphsolid.shell.lines import Place
 from sphsolid.shell.names import BODIES, MATERIALS, SCENES
@@ -26,6 +26,11 @@ from sphsolid.shell.problems import MISSING
 _OWN = ("type", "name", "end_time", "initial_displacement", "initial_velocity", "body_force",
         "probes", "provenance")  # fmt: skip
 _MODULI = ("young_modulus", "poisson_ratio", "density")
+#: Of fields, by the key that they stand under.
+_UNITS = {
+    "initial_displacement": "m", "initial_velocity": "m/s", "velocity": "m/s",
+    "body_force": "N/m^3", "value": "Pa",
+}  # fmt: skip
 _OWN_TABLES = ("body", "constraints", "tractions")
 
 
@@ -39,7 +44,7 @@ def read_scene(values: dict[str, Any], builder: Builder, name: str) -> Any:
     kind = table.get("type", "Scene")
     if kind == "Scene":
         return _own(values, table, material, builder, name)
-    if kind not in SCENES:
+    if not isinstance(kind, str) or kind not in SCENES:
         known = ["Scene", *SCENES]
         problems.add(
             ("scene", "type"),
@@ -95,7 +100,7 @@ def _own(
         "material": _material(material, builder),
         "constraints": _members(values, "constraints", _constraint, builder),
         "tractions": _members(values, "tractions", _traction, builder),
-        "probes": table.get("probes", {}),
+        "probes": _probes(table.get("probes", {}), builder),
         "provenance": table.get("provenance", f"case file {problems.file}"),
     }
     if "end_time" in table:
@@ -114,6 +119,21 @@ def _own(
     except InputError as error:
         problems.add(("scene",), str(error))
         return MISSING
+
+
+def _probes(table: Any, builder: Builder) -> Any:
+    """Places by name, with formulas of numbers worked out; the rest is the scene's to judge."""
+    if not isinstance(table, dict):
+        return table
+    return {
+        name: [
+            builder.number(each, ("scene", "probes", name, k)) if isinstance(each, str) else each
+            for k, each in enumerate(place)
+        ]
+        if isinstance(place, list)
+        else place
+        for name, place in table.items()
+    }
 
 
 def _body(values: dict[str, Any], builder: Builder) -> Any:
@@ -142,7 +162,10 @@ def _region(table: Any, place: Place, builder: Builder) -> Any:
     if found is MISSING:
         return MISSING
     try:
-        parsed(str(found["where"]), PLACE)
+        require(
+            is_condition(str(found["where"]), PLACE),
+            f"{found['where']!r} is no condition; write for example \"X > 0.5\"",
+        )
     except InputError as error:
         builder.problems.add((*place, "where"), str(error))
         return MISSING
@@ -156,7 +179,7 @@ def _material(table: dict[str, Any], builder: Builder) -> Any:
         )
         return MISSING
     kind = table.get("type", "NeoHookean")
-    if kind not in MATERIALS:
+    if not isinstance(kind, str) or kind not in MATERIALS:
         builder.problems.add(
             ("material", "type"),
             f"{kind!r} is no law{nearest(str(kind), MATERIALS)}; known are {', '.join(MATERIALS)}",
@@ -233,10 +256,11 @@ def _keys(
 
 
 def read_field(value: Any, kind: type[Field], place: Place, builder: Builder) -> Any:
-    """Three formulas or numbers as a field of ``kind``; tried at one point and time."""
+    """Three formulas or numbers as a field of ``kind``; tried at a few places and times."""
     if not isinstance(value, list) or len(value) != 3:
+        unit = _UNITS[str(place[-1])]
         builder.problems.add(
-            place, f"{value!r} are no three components; write [\"0\", \"0\", \"-9.81\"]"
+            place, f"{value!r} are no three components in {unit}; write [\"0\", \"0\", \"1.5*X\"]"
         )
         return MISSING
     names, fine = VARIABLES[kind], True
@@ -248,8 +272,10 @@ def read_field(value: Any, kind: type[Field], place: Place, builder: Builder) ->
             fine = False
             continue
         try:
-            parsed(str(part), names)
-            value_of(str(part), dict.fromkeys(names, 0.5))
+            require(
+                is_finite_somewhere(str(part), names),
+                f"{part!r} is a finite number at none of the places and times that were tried",
+            )
         except InputError as error:
             builder.problems.add(where, str(error))
             fine = False

@@ -78,10 +78,14 @@ def _recorders(table: dict[str, Any], builder: Builder, scene: Any) -> tuple[Any
         place = ("run", "record", k)
         recorder = builder.make(each, place, RECORDERS, "recorder")
         known = scene.probes if isinstance(scene, Scene) else None
-        if isinstance(recorder, Probe) and known is not None and recorder.point not in known:
+        # A text may hold anything in the place of a name.
+        point: Any = recorder.point if isinstance(recorder, Probe) else None
+        if point is not None and not isinstance(point, str):
+            builder.problems.add(place, f"{point!r} is not the name of a probe")
+        elif point is not None and known is not None and point not in known:
             builder.problems.add(
                 place,
-                f"the scene has no probe {recorder.point!r}{nearest(str(recorder.point), known)}; "
+                f"the scene has no probe {point!r}{nearest(point, known)}; "
                 f"it has {', '.join(known) or 'none'}",
             )
         made.append(recorder)

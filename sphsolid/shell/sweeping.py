@@ -5,8 +5,8 @@
     members/*.json        what each member gave: a sweep that was killed goes on from these
     runs/*/               the folders of the runs, with --keep
 
-A member is known by a hash of the case, its settings and the sources, so what is kept is never
-taken for another.
+A member is known by a hash of the case, the files that it names, its settings and the sources, so
+what is kept is never taken for another.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from sphsolid.look.doors import installed
 from sphsolid.record.atomic import atomic
 from sphsolid.record.display import duration
 from sphsolid.shell.case import Setting, read_case
-from sphsolid.shell.member import Member, Outcome, load, store
+from sphsolid.shell.member import Member, Outcome, hash_of, load, store
 from sphsolid.shell.workers import Finished, on_cluster, on_this_machine
 
 #: Columns that say how long it took, which no two sweeps share.
@@ -37,20 +37,20 @@ def sweep(
 ) -> pd.DataFrame:  # fmt: skip
     """Run all ``combinations`` of settings and write table and figure into ``out``.
 
-    Raises ``InputError`` where a combination is refused, before anything runs.
+    Raises ``InputError`` where the reading of a combination refuses it, before anything runs.  What
+    only its set-up can see, such as a face that the body has not, is a row ``refused``.
     """
-    text = path.read_text(encoding="utf-8") if path.is_file() else ""
-    for each in combinations:
-        read_case(path, settings=each)
+    cases = [read_case(path, settings=each) for each in combinations]
     members = [
-        Member(text, path.name, str(path.parent.absolute()), each,
-               kept=str(out / "runs" / _folder(each)) if keep else "")
-        for each in combinations
+        Member(case.text, path.name, str(path.parent.absolute()), case.settings,
+               kept=str(out / "runs" / _folder(case.settings)) if keep else "",
+               inputs=tuple(hash_of(file) for file in case.files))
+        for case in cases
     ]  # fmt: skip
     outcomes: dict[str, Outcome] = {}
     for member in members:
         known = load(_file(out, member))
-        if known is not None:
+        if known is not None and _is_kept(member, known):
             outcomes[member.number] = known
     waiting = [member for member in members if member.number not in outcomes]
     if len(waiting) < len(members):
@@ -129,6 +129,11 @@ def _cell(value: object) -> str:
 
 def _file(out: Path, member: Member) -> Path:
     return out / "members" / f"{member.number}.json"
+
+
+def _is_kept(member: Member, known: Outcome) -> bool:
+    """Whether the run's folder is there, where it is asked for and was made."""
+    return not member.kept or known.status == "refused" or Path(member.kept).is_dir()
 
 
 def _folder(settings: tuple[Setting, ...]) -> str:

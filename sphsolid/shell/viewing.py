@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from sphsolid.errors import require
 from sphsolid.look import animate
 from sphsolid.look.doors import require_matplotlib
 from sphsolid.look.window import show_window
@@ -23,10 +24,11 @@ def view(folder: Path, *, field: str, window: bool) -> list[str]:
         show_window(folder, field=field)
         return lines
     require_matplotlib("sphsolid view")
-    frames = frame_files(folder)
-    last = read_frame(frames[-1][1])
-    last.picture(field, path=folder / f"{field}.png")
-    made = [f"{field}.png"]
+    frames = frame_files(folder) if (folder / "frames.pvd").is_file() else []
+    made = []
+    if frames:
+        read_frame(frames[-1][1]).picture(field, path=folder / f"{field}.png")
+        made.append(f"{field}.png")
     history = folder / "history.csv"
     if history.is_file():
         found = read_history(history)
@@ -35,4 +37,5 @@ def view(folder: Path, *, field: str, window: bool) -> list[str]:
             made.append("history.png")
     if len(frames) > 1:
         made.append(animate(folder, field=field).path.name)
+    require(len(made) > 0, f"{folder} has neither frames nor two records: nothing to look at")
     return [*lines, f"wrote {', '.join(made)} to {folder}"]

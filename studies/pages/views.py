@@ -157,6 +157,6 @@ def exhibits(reports: Reports) -> list[dict[str, Any]]:
         {"name": each.name, "call": each.call, "says": each.says,
          "case": f"examples/cases/{each.name}.toml",
          "has_case": (reports.root / "examples" / "cases" / f"{each.name}.toml").exists(),
-         "rows": select(found, scene=each.name)}
+         "seen": each.shown, "rows": select(found, scene=each.name)}
         for each in EXHIBITS
     ]  # fmt: skip

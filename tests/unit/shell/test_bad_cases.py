@@ -73,7 +73,7 @@ BAD: dict[str, tuple[str, str, int | None]] = {
     "spacing is a word": (change('"1/2"', '"coarse"'), "unknown name 'coarse'", 2),
     "spacing is a list": (change('"1/2"', "[0.5]"), r"\[0.5\] is not a number", 2),
     "spacing is negative": (change('"1/2"', "-0.5"), "must be positive", 2),
-    "divided by zero": (change('"1/2"', '"1/0"'), "cannot be worked out", 2),
+    "divided by zero": (change('"1/2"', '"1/0"'), "is inf, which is no finite number", 2),
     "no end": (change("end_time = 0.01\n", ""), "end_time .* missing", 4),
     "end before start": (change("end_time = 0.01", "end_time = -1"), "must be positive", 4),
     "two components": (change('["0", "0", "2 * X"]', '["0", "0"]'), "no three components", 6),
@@ -119,6 +119,31 @@ BAD: dict[str, tuple[str, str, int | None]] = {
     ),
     "body of a scene": (NAMED + '[body]\ntype = "Box"\n', "brings its own body", 6),
     "law of a scene": (NAMED + 'type = "MooneyRivlin"\n', "unknown key 'type'", 6),
+    "scene is a list": (
+        change('type = "twisting_column"', 'type = ["punch"]', NAMED), "is no scene", 3,
+    ),
+    "two scenes": (change("[scene]", "[[scene]]", NAMED), r"write \[scene\]", 2),
+    "law is a list": (change('"NeoHookean"', '["NeoHookean"]'), "is no law", 19),
+    "law is a table": (change('"NeoHookean"', "{ a = 1 }"), "is no law", 19),
+    "probe is a list": (change("Probe('tip')", "Probe(['tip'])"), "not the name of a probe", 37),
+    "spacing is complex": (change('"1/2"', '"(-8)**(1/3)"'), "is nan, which is no finite", 2),
+    "option is complex": (
+        change('"PositionVerlet"', '"TVDRK2"\nstabilisation = "SUPG(xi_F=(-1)**0.5)"'),
+        "no finite number", 34,
+    ),
+    "a number for a place": (change("[2, 1, 1]", "2"), "not a list of 3 numbers", 11),
+    "two numbers for a place": (change("[2, 1, 1]", "[2, 1]"), "not a list of 3 numbers", 11),
+    "a list in a place": (change("[2, 1, 1]", "[[2], 1, 1]"), r"\[2\] is not a number", 11),
+    "a word for a place": (change("[2, 1, 1]", '"far"'), "not a list of 3 numbers", 11),
+    "a body for a list": (
+        change('"Box"\nupper = [2, 1, 1]', '"Blocks"\nblocks = "Box"'), "is not a list", 11,
+    ),
+    "far too deep": (change("2 * X", "[" + "-" * 900 + "1]"), "nested more than 60 deep", 6),
+    "never a number": (change("2 * X", "(-X * X - 1) ** 0.5"), "at none of the places", 6),
+    "no condition": (change('"Z > 0.4"', "3"), "3 is no condition", 16),
+    "no file": (
+        change('"Box"\nupper = [2, 1, 1]', '"MeshFile"\npath = "none.msh"'), "no file", 11,
+    ),
     "empty": ("", "body.* is missing", None),
 }  # fmt: skip
 
@@ -162,7 +187,9 @@ def test_what_was_set_has_no_line_but_its_name(tmp_path, capsys):
     err = said(tmp_path, GOOD, capsys, "--set", "method.cfl=fast")
     assert re.search(r"bad.toml, --set method.cfl: 'fast'", err)
     err = said(tmp_path, GOOD, capsys, "--set", "constraints[2].face=X+")
-    assert "the list has 1 members" in err
+    assert "constraints is a list of 1, counted from 1; write constraints[1]" in err
+    err = said(tmp_path, GOOD, capsys, "--set", "constraints.direction=normal")
+    assert "write constraints[1].direction" in err
 
 
 @pytest.mark.parametrize(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import inspect
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -18,6 +19,7 @@ from sphsolid.scenes import Scene, twisting_column
 from sphsolid.shell import main, read_case
 from sphsolid.shell.case import TABLES
 from sphsolid.shell.lines import key_lines, spelled
+from sphsolid.shell.member import Member, hash_of
 from sphsolid.shell.names import BODIES, FEM, SCENES, SPH
 from sphsolid.shell.run_table import KEYS
 from sphsolid.shell.settings import one, parse, product
@@ -119,10 +121,19 @@ def test_bodies_from_files_lie_beside_the_case(tmp_path):
         "[scene]\nend_time = 1\n[body]\ntype = 'MeshFile'\npath = 'part.msh'\nunit = 'mm'\n"
         "[material]\nyoung_modulus = 1e6\npoisson_ratio = 0.3\ndensity = 1000\n"
     )
-    body = case(text, tmp_path).scene.body
-    assert body == MeshFile(str(tmp_path / "part.msh"), unit="mm")
-    whole = case(text.replace("path = 'part.msh'", "path = '/a/part.msh'"), tmp_path)
-    assert whole.scene.body.path == "/a/part.msh"
+    (tmp_path / "part.msh").write_text("one")
+    found = case(text, tmp_path)
+    assert found.scene.body == MeshFile(str(tmp_path / "part.msh"), unit="mm")
+    assert found.files == (tmp_path / "part.msh",)
+    other = tmp_path / "elsewhere" / "part.msh"
+    other.parent.mkdir()
+    other.write_text("two")
+    whole = case(text.replace("path = 'part.msh'", f"path = '{other}'"), tmp_path)
+    assert whole.scene.body.path == str(other)
+    # What a sweep keeps is of the files as they were.
+    assert hash_of(found.files[0]) != hash_of(whole.files[0])
+    one = Member(found.text, "a", "b", (), inputs=(hash_of(found.files[0]),))
+    assert one.number != replace(one, inputs=(hash_of(other),)).number
     assert "PointCloud.fill" in BODIES
 
 

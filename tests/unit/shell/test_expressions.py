@@ -15,6 +15,8 @@ from sphsolid.shell.expressions import (
     FaceField,
     Field,
     TimeField,
+    is_condition,
+    is_finite_somewhere,
     number_in,
     value_of,
 )
@@ -59,8 +61,31 @@ def test_anything_else_is_refused(text):
 
 
 def test_powers_of_whole_numbers_do_not_grow_without_end():
-    with pytest.raises(InputError, match="cannot be worked out"):
+    with pytest.raises(InputError, match="no finite number"):
         number_in("9**9**9**9")
+
+
+def test_the_side_of_a_choice_that_is_not_taken_may_be_anything():
+    t = {"t": 0.0}
+    assert value_of("1 / t if t > 0 else 7", t) == 7.0
+    assert value_of("t ** -0.5 if t > 0 else 7", t) == 7.0
+    assert value_of("3 % t if t > 0 else 7", t) == 7.0
+    field = TimeField(("where(X > 0.5, 1 / (X - 0.5), 0)", "0", "0"))
+    np.testing.assert_allclose(field(X, 0.0)[:, 0], [0.0, 2.0])
+
+
+def test_a_root_of_what_is_negative_is_no_complex_number():
+    assert math.isnan(value_of("(-8) ** 0.5", {}))
+    assert not is_finite_somewhere("(-8) ** 0.5", ("X",))
+    # Early on it is a number.
+    assert is_finite_somewhere("(0.5 - t) ** 0.5", ("t",))
+    assert is_finite_somewhere("1 / (X - 0.5)", ("X",))
+
+
+def test_a_condition_says_yes_or_no():
+    assert is_condition("X > 1 and not Y < 0", ("X", "Y"))
+    assert not is_condition("3", ("X",))
+    assert not is_condition("X", ("X",))
 
 
 def test_a_field_of_place():
