@@ -31,6 +31,7 @@ from sphsolid.errors import require
 from sphsolid.geometry.integrals import area_vectors, vertex_volumes
 from sphsolid.geometry.mesh import Mesh
 from sphsolid.geometry.overlap import refuse_overlap
+from sphsolid.geometry.patches import smooth_patches
 
 Array = NDArray[np.float64]
 
@@ -82,6 +83,24 @@ class Cloud:
         if np.array_equal(self.areas, area_vectors(self.mesh, self.mesh.boundary)):
             return part
         return quadratically_exact_areas(self.mesh)[face]
+
+    def areas_of_sides(self, face: str) -> list[Array]:
+        """The same for each smooth side of a tag: a sum over a sharp edge would lose its area.
+
+        What the operator's areas have beside those of the facets is shared by size.
+        """
+        whole = self.areas_of(face)
+        patches = smooth_patches(self.mesh, self.mesh.face(face))
+        if len(patches) == 1:
+            return [whole]
+        sides = [area_vectors(self.mesh, facets) for facets in patches]
+        sizes = [np.linalg.norm(side, axis=1) for side in sides]
+        more, total = whole - sum(sides), sum(sizes)
+        share = np.divide(1.0, total, out=np.zeros_like(whole[:, 0]), where=total > 0.0)
+        return [
+            side + (size * share)[:, None] * more
+            for side, size in zip(sides, sizes, strict=True)
+        ]
 
     @property
     def spacing(self) -> float:

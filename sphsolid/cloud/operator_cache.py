@@ -8,10 +8,12 @@ from __future__ import annotations
 
 import hashlib
 import os
+import sys
 import tempfile
 import zipfile
 import zlib
 from contextlib import suppress
+from dataclasses import fields, is_dataclass
 from pathlib import Path
 from typing import Any
 
@@ -28,14 +30,21 @@ Array = NDArray[np.float64]
 LEAST_PARTICLES = 4000
 #: Bytes the folder may hold.
 MOST_BYTES = 4_000_000_000
+_PACKAGE = "sphsolid"
+#: What an option may hold besides options.
+_DATA = (bool, int, float, str, type(None))
 
 
 def gradients_of(operator: OperatorKind, cloud: Ingredients) -> Gradients:
     """``operator.build(cloud)``, from the disk where it was built before.
 
-    Only operators that say ``is_kept`` are: the text of a user's own is not in the hash.
+    Only operators that say ``is_kept`` are, of classes of this package, with a smoothing function
+    and a mesh of it: the text of a user's own class is not in the hash, derived from ours or not.
     """
     if not getattr(operator, "is_kept", False) or len(cloud.volumes) < LEAST_PARTICLES:
+        return operator.build(cloud)
+    told = _is_told_by_repr(operator) and _is_told_by_repr(cloud.smoothing)
+    if not told or not _is_ours(type(cloud.mesh)):
         return operator.build(cloud)
     try:
         folder = cache_base() / "operators"
@@ -44,6 +53,24 @@ def gradients_of(operator: OperatorKind, cloud: Ingredients) -> Gradients:
     path = folder / f"{content_hash(operator, cloud)}.npz"
     shapes = (len(cloud.pairs.indices), 3), (len(cloud.volumes), 3)
     return _read(path, *shapes) or _write(path, operator.build(cloud))
+
+
+def _is_ours(kind: type) -> bool:
+    """True for a class of this package itself, not one that says so or is made from it."""
+    home = kind.__module__
+    if home.split(".")[0] != _PACKAGE:
+        return False
+    return getattr(sys.modules.get(home), kind.__qualname__, None) is kind
+
+
+def _is_told_by_repr(option: Any) -> bool:
+    """True where our sources and the ``repr`` of ``option`` say all that it does."""
+    kind = type(option)
+    if kind in _DATA or (kind.__module__ == "numpy" and isinstance(option, np.generic)):
+        return True
+    return _is_ours(kind) and is_dataclass(option) and all(
+        _is_told_by_repr(getattr(option, each.name)) for each in fields(option)
+    )
 
 
 def content_hash(operator: OperatorKind, cloud: Ingredients) -> str:

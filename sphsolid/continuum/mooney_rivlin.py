@@ -7,13 +7,14 @@ from typing import Any, NamedTuple
 
 from sphsolid.continuum.inverse_root import inverse_two_thirds
 from sphsolid.continuum.law_registry import register_law
-from sphsolid.continuum.moduli import bulk_modulus, check_elastic, shear_modulus
+from sphsolid.continuum.moduli import elastic
 from sphsolid.continuum.quadratic_volume import QUADRATIC
 from sphsolid.continuum.quadratic_volume import energy as U
 from sphsolid.continuum.quadratic_volume import pressure as dU
 from sphsolid.continuum.quadratic_volume import stiffness as ddU
 from sphsolid.continuum.tensor import Tensor, add, axpy, contract, cross, scale
 from sphsolid.errors import require
+from sphsolid.protocols import number
 
 
 class MooneyRivlin(NamedTuple):
@@ -36,17 +37,16 @@ class MooneyRivlin(NamedTuple):
 
         ``cofactor_share`` in [0, 1]: ``3 sqrt(3) xi = share mu``.  Raises ``InputError``.
         """
-        check_elastic(young_modulus, poisson_ratio, density)
+        mu, kappa, density = elastic(young_modulus, poisson_ratio, density)
         require(
-            0.0 <= cofactor_share <= 1.0,
+            0.0 <= number("cofactor_share", cofactor_share) <= 1.0,
             f"cofactor_share = {cofactor_share} is outside [0, 1]; 0 is the neo-Hookean solid",
         )
-        mu = shear_modulus(young_modulus, poisson_ratio)
         return cls(
             varsigma=0.5 * (1.0 - cofactor_share) * mu,
             xi=cofactor_share * mu / (3.0 * math.sqrt(3.0)),
-            kappa=bulk_modulus(young_modulus, poisson_ratio),
-            density=float(density),
+            kappa=kappa,
+            density=density,
         )
 
     @property

@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 
 from sphsolid.continuum.inverse_root import inverse_two_thirds
 from sphsolid.continuum.law_registry import register_law
-from sphsolid.continuum.moduli import bulk_modulus, check_elastic, shear_modulus
+from sphsolid.continuum.moduli import elastic
 from sphsolid.continuum.quadratic_volume import QUADRATIC
 from sphsolid.continuum.quadratic_volume import energy as U
 from sphsolid.continuum.quadratic_volume import pressure as dU
@@ -31,12 +31,7 @@ class NeoHookean(NamedTuple):
         cls, *, young_modulus: float, poisson_ratio: float, density: float
     ) -> NeoHookean:
         """From ``E`` [Pa], ``nu`` in (-1, 0.5) and ``rho0`` [kg/m^3]; raises ``InputError``."""
-        check_elastic(young_modulus, poisson_ratio, density)
-        return cls(
-            mu=shear_modulus(young_modulus, poisson_ratio),
-            kappa=bulk_modulus(young_modulus, poisson_ratio),
-            density=float(density),
-        )
+        return cls(*elastic(young_modulus, poisson_ratio, density))
 
     @property
     def depends_on_H(self) -> bool:

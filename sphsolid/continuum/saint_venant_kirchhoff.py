@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 
 from sphsolid.compiled import inlined
 from sphsolid.continuum.law_registry import register_law
-from sphsolid.continuum.moduli import bulk_modulus, check_elastic, shear_modulus
+from sphsolid.continuum.moduli import elastic
 from sphsolid.continuum.tensor import (
     IDENTITY,
     Tensor,
@@ -38,12 +38,7 @@ class SaintVenantKirchhoff(NamedTuple):
         cls, *, young_modulus: float, poisson_ratio: float, density: float
     ) -> SaintVenantKirchhoff:
         """From ``E`` [Pa], ``nu`` in (-1, 0.5) and ``rho0`` [kg/m^3]; raises ``InputError``."""
-        check_elastic(young_modulus, poisson_ratio, density)
-        return cls(
-            mu=shear_modulus(young_modulus, poisson_ratio),
-            kappa=bulk_modulus(young_modulus, poisson_ratio),
-            density=float(density),
-        )
+        return cls(*elastic(young_modulus, poisson_ratio, density))
 
     @property
     def depends_on_H(self) -> bool:

@@ -59,6 +59,8 @@ _REFUSED = tuple(
         (r"[UZ]\d+", "user elements or substructures", _REMOVE),
     )
 )  # fmt: skip
+#: The largest number of a node or an element.
+LARGEST = np.iinfo(np.int64).max
 #: Facets of an element by the number that ``*SURFACE`` calls them, S1 first, as local corners.
 SURFACE_FACES = {
     "tetra": np.array([[0, 1, 2], [0, 3, 1], [1, 3, 2], [2, 3, 0]]),
@@ -87,11 +89,17 @@ class Elements:
 
 
 def numbers(words: list[str]) -> Indices:
-    """Whole numbers; raises ``ValueError`` for anything else."""
+    """Whole numbers of 64 bits; raises ``ValueError`` for anything else."""
     for word in words:
         if "_" in word or not word.isascii():  # Python reads 1_000 and digits of any script.
             raise ValueError(f"not a number: {word!r}")
-    return np.array([int(word) for word in words], dtype=np.int64)
+    try:
+        return np.array([int(word) for word in words], dtype=np.int64)
+    except OverflowError:
+        large = next(word for word in words if abs(int(word)) > LARGEST)
+        raise ValueError(
+            f"the number {large.strip()[:40]} is too large; they go up to {LARGEST}"
+        ) from None
 
 
 def elements_of(where: str, card: Card) -> Elements:

@@ -132,7 +132,15 @@ def number(word: str) -> float:
 
 
 def _nodes(where: str, card: Card) -> tuple[Indices, Array]:
-    rows = [row.split(",")[:4] for row in card.data]
+    rows = []
+    for row in card.data:
+        words = row.split(",")
+        # A normal of three components may follow the coordinates; it is not read.
+        require(
+            not "".join(words[7:]).strip(),
+            f"{where}: the line {row[:60]!r} has more than a node; write one node a line",
+        )
+        rows.append(words[:4])
     require(
         all(len(row) == 4 for row in rows),
         f"{where}: a node needs a number and three coordinates; of a blank one, which is zero, the "

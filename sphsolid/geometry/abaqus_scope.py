@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 
 from sphsolid.errors import InputError, require
 from sphsolid.geometry.abaqus_cards import Card, fields
-from sphsolid.geometry.abaqus_elements import facets_of
-from sphsolid.geometry.abaqus_part import Named, Part
+from sphsolid.geometry.abaqus_elements import facets_of, numbers
+from sphsolid.geometry.abaqus_part import Named, Part, number
 from sphsolid.geometry.facets import cell_facets, same_vertices
 from sphsolid.geometry.file_content import BODY_CELLS, SURFACE_CORNERS
 from sphsolid.geometry.numbering import Numbering
@@ -121,7 +121,8 @@ class Scope:
         exposed: list[Indices] = []
         for where, card in entry.cards:
             for row in card.data:
-                region, label, *_ = [*fields(row), ""]
+                region, label, *more = [*fields(row), ""]
+                _refuse_more(where, row, more, "an element set and a face")
                 elements = self._find(self, "ELSET", where, [region], table)
                 if label:
                     facets += [facets_of(where, *block, label) for block in table.blocks(elements)]
@@ -131,8 +132,16 @@ class Scope:
 
     def node_surface(self, entry: Named, table: ElementTable) -> Indices:
         """Nodes of a surface of nodes; each line names a set or a node first."""
-        words = [(where, fields(row)[:1]) for where, card in entry.cards for row in card.data]
-        parts = [self._find(self, "NSET", where, word, table) for where, word in words]
+        parts = []
+        for where, card in entry.cards:
+            for row in card.data:
+                region, area, *more = [*fields(row), ""]
+                try:
+                    number(area)
+                except ValueError:
+                    more = [area]
+                _refuse_more(where, row, more, "a node set and an area")
+                parts.append(self._find(self, "NSET", where, [region], table))
         return np.unique(np.concatenate([np.zeros(0, np.int64), *parts]))
 
     def _names(self, kind: str) -> dict[str, Named]:
@@ -167,7 +176,7 @@ class Scope:
         plain = [word for word in words if _is_number(word)]
         parts = []
         if plain:
-            wanted = np.array([int(word) for word in plain], dtype=np.int64)
+            wanted = _whole(where, plain)
             found = scope._numbering(kind).find(wanted)
             if np.any(found < 0):
                 what = "nodes" if kind == "NSET" else "elements"
@@ -221,13 +230,28 @@ def _is_number(word: str) -> bool:
     return word.isascii() and word.isdigit()
 
 
+def _whole(where: str, words: list[str]) -> Indices:
+    try:
+        return numbers(words)
+    except ValueError as error:
+        raise InputError(f"{where}: {error}") from error
+
+
+def _refuse_more(where: str, row: str, more: list[str], wanted: str) -> None:
+    """Raises ``InputError`` where a line of a surface goes on: what follows is not read."""
+    require(
+        not any(more),
+        f"{where}: the line {row[:60]!r} has more than {wanted}; write one such pair a line",
+    )
+
+
 def _range(where: str, row: str) -> tuple[int, int, int]:
     words = [word for word in fields(row) if word]
     require(
         len(words) in (2, 3) and all(map(_is_number, words)),
         f"{where}: GENERATE needs first, last, step, got {row[:60]!r}",
     )
-    low, high, step = (*(int(word) for word in words), 1)[:3]
+    low, high, step = (*_whole(where, words).tolist(), 1)[:3]
     require(
         step > 0 and high >= low, f"{where}: GENERATE from {low} to {high} by {step} gives nothing"
     )

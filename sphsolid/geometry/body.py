@@ -5,15 +5,19 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from numbers import Real
 from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from sphsolid.errors import InputError, require
-from sphsolid.geometry.grid_mesh import Block, Triple, block_breaks, block_mesh, box_mesh, covered
-from sphsolid.geometry.mesh import GridMesh, Mesh
+from sphsolid.geometry.blocks import Block, block_breaks, checked_blocks, checked_box, covered
+from sphsolid.geometry.given import Triple
+from sphsolid.geometry.grid_mesh import block_mesh, box_mesh
+from sphsolid.geometry.mesh import GridMesh, Mesh, read_only
+from sphsolid.protocols import check_protocol, members, number
+
+Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -30,10 +34,7 @@ def chosen(spacing: Spacing, body: str) -> float:
     """The spacing of a body that can be meshed at any; raises ``InputError`` if none is given."""
     if isinstance(spacing, AsMeshed):
         raise InputError(f"{body} can be meshed at any spacing: give spacing = ... [m]")
-    given: object = spacing
-    if isinstance(given, bool) or not isinstance(given, Real):
-        raise InputError(f"spacing = {spacing!r} is not a number; give a length in m")
-    return spacing
+    return number("spacing", spacing, "m")
 
 
 class Body(Protocol):
@@ -71,7 +72,7 @@ class Box:
     def volume(self) -> float:
         """Product of the edge lengths [m^3]."""
         volume = 1.0
-        for low, high in zip(self.lower, self.upper, strict=True):
+        for low, high in zip(*checked_box(self.lower, self.upper), strict=True):
             volume *= high - low
         return volume
 
@@ -80,6 +81,7 @@ class Box:
 class Blocks:
     """Union of axis-aligned boxes ``(lower, upper)`` [m] that meet in faces or overlap.
 
+    Sides that differ by round-off, at most 1e-9 of the diagonal of the body, are in one plane.
     Faces ``X- X+ Y- Y+ Z- Z+`` on its bounding box; others by direction and plane, ``X+@3``.
     ``jitter``, ``seed`` and ``aspect`` as for :class:`Box`.
     """
@@ -97,21 +99,43 @@ class Blocks:
     @property
     def volume(self) -> float:
         """Volume of the union [m^3]; what blocks share counts once."""
-        x, y, z = (np.array(breaks) for breaks in block_breaks(self.blocks))
+        blocks = checked_blocks(self.blocks)
+        x, y, z = (np.array(breaks) for breaks in block_breaks(blocks))
         sizes = np.diff(x)[:, None, None] * np.diff(y)[:, None] * np.diff(z)
-        return math.fsum(sizes[covered(self.blocks, (x, y, z))])
+        return math.fsum(sizes[covered(blocks, (x, y, z))])
 
 
 @dataclass(frozen=True)
 class Region:
     """A part of the boundary tag ``face`` with a tag ``name`` of its own.
 
-    ``contains(X (n, 3)) -> (n,)`` is asked at the centroids of the face's quadrilaterals.
+    ``contains(X (n, 3)) -> (n,)`` is asked at the centroids of the face's quadrilaterals.  It
+    cannot write to them.
     """
 
     name: str
     face: str
-    contains: Callable[[NDArray[np.float64]], NDArray[np.bool_]]
+    contains: Callable[[Array], NDArray[np.bool_]]
+
+    def at(self, X: Array) -> NDArray[np.bool_]:
+        """Which of the points ``X (n, 3)`` [m] are in the region ``(n,)``.
+
+        Raises ``InputError`` naming the region where ``contains`` fails or returns anything but a
+        bool for each point.
+        """
+        try:
+            chosen = np.asarray(self.contains(read_only(X)))
+        except Exception as failure:
+            how = "; it is called with (X)" if isinstance(failure, TypeError) else ""
+            raise InputError(
+                f"region {self.name!r}: contains raised {type(failure).__name__}: {failure}{how}"
+            ) from failure
+        if chosen.shape != (len(X),) or chosen.dtype != bool:
+            raise InputError(
+                f"region {self.name!r}: contains must return a bool for each of the "
+                f"{len(X)} points, got {chosen.dtype} of shape {chosen.shape}"
+            )
+        return chosen
 
 
 @dataclass(frozen=True)
@@ -126,26 +150,30 @@ class Tagged:
     body: Body
     regions: tuple[Region, ...]
 
+    def __post_init__(self) -> None:
+        """Refuse what is no body, or no tuple of regions."""
+        check_protocol("Tagged: body", self.body, ("mesh",), "give Box(...) or another body")
+        object.__setattr__(self, "regions", members("regions", self.regions, Region))
+
     def mesh(self, spacing: Spacing) -> Mesh:
         """The body's mesh with the regions' tags.
 
-        Raises ``InputError`` for a name that is taken, an unknown face, an answer of the wrong
-        shape, or a region without a quadrilateral at this spacing.
+        Raises ``InputError`` for a name that is no string or taken, an unknown face, a region
+        whose ``contains`` fails (:meth:`Region.at`) or has no quadrilateral at this spacing.
         """
         mesh = self.body.mesh(spacing)
         faces = dict(mesh.faces)
         for region in self.regions:
             require(
+                isinstance(region.name, str) and isinstance(region.face, str),
+                f"region {region.name!r} of face {region.face!r}: give two names",
+            )
+            require(
                 region.name not in faces,
                 f"region {region.name!r}: the name is taken; the body has {sorted(faces)}",
             )
             quads = replace(mesh, faces=faces).face(region.face)
-            chosen = np.asarray(region.contains(mesh.vertices[quads].mean(axis=1)))
-            if chosen.shape != (len(quads),) or chosen.dtype != bool:
-                raise InputError(
-                    f"region {region.name!r}: contains must return a bool for each of the "
-                    f"{len(quads)} points, got {chosen.dtype} of shape {chosen.shape}"
-                )
+            chosen = region.at(mesh.vertices[quads].mean(axis=1))
             require(
                 bool(chosen.any()),
                 f"region {region.name!r} contains no facet of face {region.face!r} at "

@@ -11,6 +11,7 @@ from scipy.spatial import cKDTree
 from sphsolid.errors import InputError, require
 from sphsolid.geometry.facets import same_vertices
 from sphsolid.geometry.inside import ranges, winding_numbers
+from sphsolid.geometry.near_contact import NEAR, shortest_sides, triangle_distance
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
@@ -68,7 +69,8 @@ def oriented(vertices: Array, triangles: Indices) -> Indices:
     """The same triangles, all turned outward of the body (into the holes of a hollow one).
 
     Raises ``InputError`` where the surface is open, has more than two triangles at an edge or
-    more than one sheet at a vertex, crosses itself, or has one side only.
+    more than one sheet at a vertex, crosses itself, has two sheets that only round-off keeps apart
+    (:mod:`~sphsolid.geometry.near_contact`), or has one side only.
     """
     count = len(triangles)
     edges = triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2)
@@ -93,7 +95,7 @@ def oriented(vertices: Array, triangles: Indices) -> Indices:
     component, parity = _parity(count, one // 3, two // 3, agree)
     turned = np.where(parity[:, None], triangles[:, ::-1], triangles)
     _one_sheet_at_each_vertex(vertices, triangles, one, two)
-    _no_crossing(vertices, triangles)
+    _no_crossing(vertices, triangles, component)
     return _outward(vertices, turned, component)
 
 
@@ -154,11 +156,17 @@ def _one_sheet_at_each_vertex(
     )
 
 
-def _no_crossing(vertices: Array, triangles: Indices) -> None:
-    """No edge may pierce a triangle, no vertex lie on one that it is not a corner of."""
+def _no_crossing(vertices: Array, triangles: Indices, component: Indices) -> None:
+    """No edge may pierce a triangle, no vertex lie on one that it is not a corner of.
+
+    Triangles of two components may not be so near that they were meant to touch, either.
+    """
     tolerance = _TOUCH * float(np.linalg.norm(np.ptp(vertices, axis=0)))
     corner = vertices[triangles]
-    low, high = corner.min(axis=1) - tolerance, corner.max(axis=1) + tolerance
+    near = NEAR * shortest_sides(corner)
+    alone = int(component.max()) == 0
+    margin = (np.full(len(near), tolerance) if alone else np.maximum(tolerance, near))[:, None]
+    low, high = corner.min(axis=1) - margin, corner.max(axis=1) + margin
     order = np.argsort(low[:, 0], kind="stable")
     reach = np.searchsorted(low[order, 0], high[order, 0], side="right")
     after = np.arange(1, len(order) + 1)
@@ -172,6 +180,23 @@ def _no_crossing(vertices: Array, triangles: Indices) -> None:
         for edges_of, plane_of in ((i, j), (j, i)):
             for k in range(3):
                 _refuse_piercing(vertices, triangles, edges_of, plane_of, k, tolerance)
+        apart = component[i] != component[j]
+        i, j = i[apart], j[apart]
+        _refuse_near(corner[i], corner[j], np.minimum(near[i], near[j]))
+
+
+def _refuse_near(one: Array, two: Array, near: Array) -> None:
+    """Triangles ``(n, 3, 3)`` of two sheets must be further apart than ``near (n,)`` [m]."""
+    distance = triangle_distance(one, two)
+    bad = np.flatnonzero(distance < near)
+    if len(bad):
+        first = bad[0]
+        raise InputError(
+            f"the surface touches itself: two of its sheets lie within {distance[first]:.3g} m of "
+            f"each other near X = {_where(one[first])} m, less than {NEAR:g} of the edges there: "
+            "parts that touch there are not joined; unite them before meshing the surface, or "
+            "move them apart"
+        )
 
 
 def _refuse_piercing(

@@ -13,15 +13,14 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from sphsolid.errors import InputError, require
+from sphsolid.errors import require
 from sphsolid.geometry.affordable import check_affordable
+from sphsolid.geometry.blocks import Block, block_breaks, checked_blocks, covered
 from sphsolid.geometry.cell_shape import CORNERS
+from sphsolid.geometry.given import Triple, disorder, triple
 from sphsolid.geometry.mesh import GridMesh
 
 Array = NDArray[np.float64]
-Triple = tuple[float, float, float]
-#: A box by its lower and upper corner [m].
-Block = tuple[Triple, Triple]
 
 
 @dataclass(frozen=True)
@@ -67,9 +66,9 @@ def grid_mesh(
     inner plane ``X = 3`` is ``X+@3``.  ``jitter`` moves inner vertices, and boundary vertices
     within their face or edge.  Per component the offset is uniform random and at most ``jitter /
     2`` of the shorter of the cell edges that meet there.  Raises ``InputError`` for a jitter
-    outside [0, 0.9].
+    outside [0, 0.9] and a seed that is no whole number from 0 on.
     """
-    require(0.0 <= jitter <= 0.9, f"jitter = {jitter} is outside [0, 0.9] of the spacing")
+    jitter = disorder(jitter, seed)
     grid = np.stack(
         np.meshgrid(*(axis.planes for axis in axes), indexing="ij"), axis=-1
     ).reshape(-1, 3)
@@ -167,44 +166,20 @@ def block_mesh(
 ) -> GridMesh:
     """Hexahedra filling the union of axis-aligned boxes, which may overlap.
 
-    All sides of the boxes are grid planes; see :func:`box_mesh` for the rounding between them and
-    :func:`grid_mesh` for tags, ``jitter`` and what is raised.
+    All sides of the boxes are grid planes, sides that differ by round-off one plane
+    (:func:`~sphsolid.geometry.blocks.checked_blocks`); see :func:`box_mesh` for the rounding
+    between them and :func:`grid_mesh` for tags, ``jitter`` and what is raised.
     """
     require(np.isfinite(spacing) and spacing > 0.0, f"spacing = {spacing} m must be positive")
+    aspect = triple("aspect", aspect, "spacings, the edges of a cell")
     require(
-        bool(np.all(np.isfinite(aspect))) and min(aspect) > 0.0,
+        min(aspect) > 0.0,
         f"aspect = {aspect} (edge of a cell along X, Y, Z over the spacing) must be positive",
     )
+    blocks = checked_blocks(blocks)
     breaks = block_breaks(blocks)
     sides = [axis[-1] - axis[0] for axis in breaks]
     check_affordable(sides, [spacing * factor for factor in aspect])
     x, y, z = (GridAxis.through(breaks[d], spacing * aspect[d]) for d in range(3))
     keep = covered(blocks, (x.planes, y.planes, z.planes))
     return grid_mesh((x, y, z), keep, jitter, seed)
-
-
-def block_breaks(blocks: tuple[Block, ...]) -> list[list[float]]:
-    """Ascending coordinates [m] of all sides of the boxes, by axis; refuses a flat box."""
-    require(len(blocks) > 0, "a body needs at least one block")
-    for lower, upper in blocks:
-        if not (
-            len(lower) == len(upper) == 3
-            and np.all(np.isfinite([lower, upper]))
-            and np.all(np.greater(upper, lower))
-        ):
-            raise InputError(f"box upper {upper} must exceed lower {lower} in every axis")
-    return [
-        sorted({float(corner[d]) for block in blocks for corner in block}) for d in range(3)
-    ]
-
-
-def covered(
-    blocks: tuple[Block, ...], planes: tuple[Array, Array, Array]
-) -> NDArray[np.bool_]:
-    """Which cells ``(nx, ny, nz)`` between the planes have their centre in a block."""
-    centres = [0.5 * (p[:-1] + p[1:]) for p in planes]
-    keep = np.zeros([len(c) for c in centres], dtype=bool)
-    for lower, upper in blocks:
-        inside = [(lower[d] < c) & (c < upper[d]) for d, c in enumerate(centres)]
-        keep |= inside[0][:, None, None] & inside[1][:, None] & inside[2]
-    return keep

@@ -15,10 +15,12 @@ from numpy.typing import NDArray
 
 from sphsolid.errors import require
 from sphsolid.geometry.affordable import check_affordable
+from sphsolid.geometry.blocks import checked_box
 from sphsolid.geometry.body import Spacing, chosen
 from sphsolid.geometry.cell_shape import HEXAHEDRON
-from sphsolid.geometry.grid_mesh import Triple, block_breaks
+from sphsolid.geometry.given import Triple
 from sphsolid.geometry.mesh import HexMesh
+from sphsolid.protocols import number
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
@@ -41,11 +43,11 @@ class HoledBlock:
 
     def __post_init__(self) -> None:
         """Refuse a hole that does not fit."""
-        block_breaks(((self.lower, self.upper),))
-        shorter = min(self.upper[d] - self.lower[d] for d in (0, 1))
+        lower, upper = checked_box(self.lower, self.upper)
+        shorter = min(upper[d] - lower[d] for d in (0, 1))
         widest = 0.5 * WIDEST * shorter
         require(
-            math.isfinite(self.radius) and 0.0 < self.radius <= widest,
+            0.0 < number("HoledBlock: radius", self.radius, "m") <= widest,
             f"HoledBlock: radius = {self.radius} m must be positive and at most {widest:g} m, "
             f"{0.5 * WIDEST:g} of the shorter side across it",
         )

@@ -154,7 +154,7 @@ def distance_to_surface(
     beyond = near == len(owner)
     candidate = owner[np.where(beyond, 0, near)]
     length = np.stack(
-        [_to_triangle(points, corner[candidate[:, k]]) for k in range(count)], axis=1
+        [distance_to_triangle(points, corner[candidate[:, k]]) for k in range(count)], axis=1
     )
     length[beyond] = np.inf
     best = np.argmin(length, axis=1)[:, None]
@@ -164,7 +164,7 @@ def distance_to_surface(
     )
 
 
-def _to_triangle(point: Array, corner: Array) -> Array:
+def distance_to_triangle(point: Array, corner: Array) -> Array:
     """Distance ``(n,)`` from each point to its own triangle ``(n, 3, 3)``."""
     a, b, c = (corner[:, k] for k in range(3))
     normal = np.cross(b - a, c - a)

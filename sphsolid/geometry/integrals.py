@@ -75,6 +75,15 @@ def _facet_area(corners: Array, slopes: Array) -> Array:
     return np.asarray(np.cross(tangents[:, 0], tangents[:, 1]))
 
 
+def facet_area_vectors(mesh: Mesh, facets: NDArray[np.int64]) -> Array:
+    """``int n dA (f, 3)`` [m^2] over each of the given boundary facets, outward."""
+    corners = mesh.vertices[facets]
+    area = np.zeros((len(facets), 3))
+    for point in mesh.shape.facet_rule:
+        area += point.weight * _facet_area(corners, point.slopes)
+    return area
+
+
 def area_vectors(mesh: Mesh, facets: NDArray[np.int64]) -> Array:
     """``A_a N_a (N, 3)`` [m^2] of the given boundary facets, outward; zero elsewhere."""
     corners = mesh.vertices[facets]

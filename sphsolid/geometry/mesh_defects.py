@@ -9,6 +9,7 @@ from scipy.spatial import cKDTree
 from sphsolid.errors import InputError
 from sphsolid.geometry.cell_shape import HEXAHEDRON, CellShape
 from sphsolid.geometry.facets import cell_facets, same_vertices, turns
+from sphsolid.geometry.near_contact import NEAR, near_vertices
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
@@ -55,18 +56,22 @@ def refuse_bad_numbers(file: str, points: Array, cells: Indices) -> None:
         )
 
 
-def refuse_duplicates(file: str, vertices: Array, cells: Indices) -> None:
-    """Raises ``InputError`` for coincident vertices, or cells of the same vertices."""
+def refuse_duplicates(file: str, vertices: Array, cells: Indices, shape: CellShape) -> None:
+    """Raises ``InputError`` for coincident vertices, or cells of the same vertices.
+
+    Vertices that only round-off keeps apart coincide
+    (:mod:`~sphsolid.geometry.near_contact`).
+    """
     size = float(np.linalg.norm(np.ptp(vertices, axis=0)))
     pairs = cKDTree(vertices).query_pairs(COINCIDENT * size, output_type="ndarray")
     if len(pairs):
-        a, b = pairs[np.lexsort(pairs.T[::-1])][0].tolist()
-        raise InputError(
-            f"{file}: {len(pairs)} pairs of vertices lie on the same point, the first at "
-            f"{place(vertices[a])} (vertices {a} and {b}): parts that touch there are not "
-            "joined; fragment the geometry before meshing, or merge the vertices (Gmsh: "
-            "Coherence Mesh; Abaqus: merge mesh; ParaView: Clean to Grid)"
-        )
+        _refuse_touching(file, vertices, pairs, "lie on the same point")
+    near = near_vertices(vertices, cell_facets(cells, shape))
+    if len(near.pairs):
+        _refuse_touching(
+            file, vertices, near.pairs,
+            f"lie within {near.gap:.3g} m of each other, less than {NEAR:g} of the edges there",
+        )  # fmt: skip
     number = same_vertices(cells)
     if number.max(initial=-1) + 1 < len(cells):
         order = np.argsort(number, kind="stable")
@@ -77,6 +82,16 @@ def refuse_duplicates(file: str, vertices: Array, cells: Indices) -> None:
             f"{place(vertices[cells[first]])}; a volume is in two groups, or was meshed twice: "
             "remove the copies"
         )
+
+
+def _refuse_touching(file: str, vertices: Array, pairs: Indices, how: str) -> None:
+    a, b = pairs[np.lexsort(pairs.T[::-1])][0].tolist()
+    raise InputError(
+        f"{file}: {len(pairs)} pairs of vertices {how}, the first at "
+        f"{place(vertices[a])} (vertices {a} and {b}): parts that touch there are not "
+        "joined; fragment the geometry before meshing, or merge the vertices (Gmsh: "
+        "Coherence Mesh; Abaqus: merge mesh; ParaView: Clean to Grid)"
+    )
 
 
 def right_handed(file: str, vertices: Array, cells: Indices, shape: CellShape) -> Indices:

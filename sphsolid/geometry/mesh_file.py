@@ -159,7 +159,7 @@ def reading(file: str, content: FileContent, metres: float) -> Reading:
     renumber = np.full(len(points) + 1, -1)
     renumber[used] = np.arange(len(used))
     vertices, given = points[used], renumber[cells]
-    refuse_duplicates(file, vertices, given)
+    refuse_duplicates(file, vertices, given, shape)
     cells = right_handed(file, vertices, given, shape)
     tags = tagged_faces(
         file,

@@ -36,6 +36,7 @@ class Numbering:
 
     def between(self, low: int, high: int, step: int) -> Indices:
         """Places of those of ``low, low + step, ..., high`` that there are."""
-        begin, end = np.searchsorted(self._sorted, [low, high + 1])
+        begin = np.searchsorted(self._sorted, low)
+        end = np.searchsorted(self._sorted, high, side="right")
         chosen = (self._sorted[begin:end] - low) % step == 0
         return self.first + self._order[begin:end][chosen]

@@ -13,12 +13,14 @@ from scipy.spatial import cKDTree
 from sphsolid.errors import InputError, require
 from sphsolid.geometry.affordable import check_affordable
 from sphsolid.geometry.body import AsMeshed, Spacing
+from sphsolid.geometry.given import disorder
 from sphsolid.geometry.mesh import copied
 from sphsolid.geometry.point_file import read_points
 from sphsolid.geometry.point_mesh import PointMesh, point_mesh
 from sphsolid.geometry.surface import Surface
 from sphsolid.geometry.units import Unit, metres
 from sphsolid.paths import path_of
+from sphsolid.protocols import number
 
 Array = NDArray[np.float64]
 #: Points nearer to the surface than this, over the local edge of its triangles, are left out.
@@ -62,6 +64,7 @@ class PointCloud:
         vertices are particles too.
         """
         around = surface if isinstance(surface, Surface) else Surface.read(surface, unit=unit)
+        spacing = number("spacing", spacing, "m")
         ratio = spacing / around.edge if spacing > 0.0 else 1.0
         require(
             1.0 / _RATIO <= ratio <= _RATIO,
@@ -156,10 +159,11 @@ def interior_lattice(
     The lattice fits the bounding box: each of its edges is cut into ``round(length / spacing)``.
     ``jitter`` moves every point by a uniform random offset of at most ``jitter / 2`` of the
     spacing, per component.  Raises ``InputError`` for a spacing that is not positive, a jitter
-    outside [0, 0.9], or if no point is left.
+    outside [0, 0.9], a seed that is no whole number from 0 on, or if no point is left.
     """
-    require(np.isfinite(spacing) and spacing > 0.0, f"spacing = {spacing} m must be positive")
-    require(0.0 <= jitter <= 0.9, f"jitter = {jitter} is outside [0, 0.9] of the spacing")
+    spacing = number("spacing", spacing, "m")
+    require(spacing > 0.0, f"spacing = {spacing} m must be positive")
+    jitter = disorder(jitter, seed)
     low, high = surface.vertices.min(axis=0), surface.vertices.max(axis=0)
     check_affordable((high - low).tolist(), [spacing] * 3)
     counts = np.maximum(1, np.rint(np.round((high - low) / spacing, 9)).astype(int))

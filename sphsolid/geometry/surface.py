@@ -46,8 +46,8 @@ class Surface:
         quadrilaterals are cut along their first diagonal; vertices that no loop uses are left
         out.  Vertices closer than ``merge`` times the size of the surface become one, and what
         loses its area by that is dropped.  Raises ``InputError`` for a surface that is open, has
-        two vertices at one place, a triangle without area, touches or crosses itself, has one
-        side only, or numbers that are not finite.
+        two vertices at one place, a triangle without area, touches or crosses itself, has two
+        sheets that only round-off keeps apart, has one side only, or numbers that are not finite.
         """
         points = np.asarray(vertices, dtype=np.float64)
         require(

@@ -17,10 +17,11 @@ from scipy.spatial import cKDTree
 
 from sphsolid.errors import require
 from sphsolid.geometry.affordable import check_affordable
+from sphsolid.geometry.blocks import checked_box
 from sphsolid.geometry.blue_noise import blue_noise
 from sphsolid.geometry.body import Spacing, chosen
 from sphsolid.geometry.delaunay import circumspheres, delaunay, open_facets, tetrahedron_volumes
-from sphsolid.geometry.grid_mesh import Triple, block_breaks
+from sphsolid.geometry.given import Triple, check_seed
 from sphsolid.geometry.mesh import TetMesh
 
 Array = NDArray[np.float64]
@@ -48,12 +49,13 @@ class TetBox:
         """Delaunay tetrahedra of about ``spacing`` [m], the same ones for the same ``seed``.
 
         As many vertices as a :class:`~sphsolid.geometry.body.Box` has at that spacing, or a few
-        less.  Raises ``InputError`` for a non-positive spacing or a box without volume.
+        less.  Raises ``InputError`` for a non-positive spacing, a box without volume, or a seed
+        that is no whole number from 0 on.
         """
         edge = chosen(spacing, "a TetBox")
         require(np.isfinite(edge) and edge > 0.0, f"spacing = {edge} m must be positive")
-        block_breaks(((self.lower, self.upper),))
-        lower, upper = np.array(self.lower, float), np.array(self.upper, float)
+        check_seed(self.seed)
+        lower, upper = map(np.array, checked_box(self.lower, self.upper))
         check_affordable((upper - lower).tolist(), [edge] * 3)
         counts = np.maximum(1, np.rint((upper - lower) / edge).astype(int))
         size = float(np.prod((upper - lower) / counts) ** (1.0 / 3.0))
@@ -68,7 +70,8 @@ class TetBox:
     @property
     def volume(self) -> float:
         """Product of the edge lengths [m^3]."""
-        return float(np.prod(np.subtract(self.upper, self.lower)))
+        lower, upper = checked_box(self.lower, self.upper)
+        return float(np.prod(np.subtract(upper, lower)))
 
 
 def _scatter(

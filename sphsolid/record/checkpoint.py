@@ -20,7 +20,7 @@ from sphsolid.errors import Diverged, InputError
 from sphsolid.geometry.mesh import Mesh
 from sphsolid.paths import path_of
 from sphsolid.record.atomic import atomic
-from sphsolid.record.plain import plain
+from sphsolid.record.plain import values_of
 from sphsolid.record.samples import Samples, differences, instants, instants_ahead
 from sphsolid.record.solver import Solver
 from sphsolid.scenes.scene import NoBodyForce, Scene
@@ -212,7 +212,7 @@ def common_identity(scene: Scene, material: Any, mesh: Mesh, V: Array) -> dict[s
         loaded.append("body force")
     return {
         "scene": scene.name,
-        "material": plain(scene.material),
+        "material": values_of(scene.material),
         # The text of a law of the user's own, by its hash.
         "law": type(material).__name__,
         "constraints": ", ".join(held) or "none",

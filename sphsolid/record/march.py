@@ -13,6 +13,7 @@ from sphsolid.record.interrupt import Interrupt, held_interrupt
 from sphsolid.record.output import NO_OUTPUT, Output, Sink, Task
 from sphsolid.record.positions import PositionVerdict
 from sphsolid.record.progress import Pace, Progress
+from sphsolid.record.recorder_words import recorder_words
 from sphsolid.record.recorders import Recorder, asks_for_budget
 from sphsolid.record.run_options import (
     check_output,
@@ -67,10 +68,12 @@ def march(
     require(every is None or 0.0 < every < math.inf, f"every = {every} s must be positive, finite")
     if asks_for_budget(record):
         solver.track_budget()
+    # Before they look: what a recorder remembers is no part of what it is.
+    words = tuple(map(recorder_words, record)) if output.wants_records else ()
     rows = output.take_up(solver)
     if rows and solver.time == end:
         # Nothing is left to do but what a kill at the very end may have left undone.
-        output.open(solver, Task(end, every, record), rows).close(None)
+        output.open(solver, Task(end, every, record, words), rows).close(None)
         return History.of(rows)
     require(
         math.isfinite(end) and end > solver.time,
@@ -84,7 +87,7 @@ def march(
         driven=solver.scene.is_driven,
         start_energy=began_with,
     )
-    return _Run(solver, record, output, rows, pace).go(end, every)
+    return _Run(solver, Task(end, every, record, words), output, rows, pace).go()
 
 
 class _Run:
@@ -93,31 +96,32 @@ class _Run:
     def __init__(
         self,
         solver: Solver,
-        record: Sequence[Recorder],
+        task: Task,
         output: Output,
         rows: list[Row],
         pace: Pace,
     ) -> None:
-        self._solver, self._record, self._output = solver, record, output
+        self._solver, self._task, self._output = solver, task, output
         self._rows, self._pace = rows, pace
-        self._keeps_rows = bool(record) or output.wants_records
+        self._keeps_rows = bool(task.record) or output.wants_records
         self._judged_step = -1
         self._has_warned = False
 
-    def go(self, until: float, every: float | None) -> History:
-        solver = self._solver
+    def go(self) -> History:
+        solver, task = self._solver, self._task
+        until = task.until
         at_start = solver.step == 0 and not self._rows
         # Recorders are tried before a file is touched, and against the rows they will continue.
         first = self._look() if at_start or self._rows or self._pace.is_told else None
         if first is not None and self._rows:
             check_columns(list(self._rows[-1]), list(first[1]))
-        sink = self._output.open(solver, Task(until, every, self._record), self._rows)
+        sink = self._output.open(solver, task, self._rows)
         try:
             self._judge()
             with held_interrupt() as interrupt:
                 if at_start:
                     self._keep(first, sink, last=False)
-                for target in _targets(solver.time, until, every):
+                for target in _targets(solver.time, until, task.every):
                     self._march_to(target, interrupt)
                     seen = self._look()
                     if seen is not None or target == until:
@@ -150,7 +154,7 @@ class _Run:
         snapshot = self._solver.snapshot()
         self._pace.looked(snapshot)
         row: Row = {"time [s]": snapshot.time, "step": snapshot.step}
-        for recorder in self._record:
+        for recorder in self._task.record:
             row |= checked_row(recorder, recorder.record(snapshot, self._solver.scene), row)
         return snapshot, row
 
@@ -159,6 +163,8 @@ class _Run:
             return
         snapshot, row = seen
         if self._keeps_rows:
+            if self._rows:
+                check_columns(list(self._rows[-1]), list(row))
             sink.write(snapshot, row, last=last)
             self._rows.append(row)
         if snapshot.step > 0:

@@ -15,11 +15,15 @@ from sphsolid.record.solver import Solver
 
 @dataclass(frozen=True)
 class Task:
-    """What ``run`` was asked for: ``until`` [s], records every ``every`` [s] or at the end only."""
+    """What ``run`` was asked for: ``until`` [s], records every ``every`` [s] or at the end only.
+
+    ``recorders``: those of ``record`` in words, as they were before they saw anything.
+    """
 
     until: float
     every: float | None
     record: Sequence[Recorder]
+    recorders: Sequence[str] = ()
 
 
 class Sink(Protocol):

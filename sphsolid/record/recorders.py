@@ -95,6 +95,14 @@ class Probe:
 
     point: str
 
+    def __post_init__(self) -> None:
+        """Refuse what is no name."""
+        if not isinstance(self.point, str):
+            raise InputError(
+                f"Probe: point = {self.point!r} is not the name of a probe of the scene; for "
+                'several write [Probe("tip"), Probe("corner")]'
+            )
+
     def record(self, snapshot: Snapshot, scene: Scene) -> dict[str, float]:
         """Six columns; an unknown name is refused with the names the scene has."""
         if self.point not in scene.probes:

@@ -28,12 +28,14 @@ from sphsolid.errors import InputError, require
 from sphsolid.paths import path_of
 from sphsolid.record.checkpoint import restore, write_checkpoint
 from sphsolid.record.folder_lock import FolderLock, refuse_in_use
+from sphsolid.record.folder_place import make_folder, refuse_no_folder, refuse_no_name
 from sphsolid.record.history import HistoryFile, Row, read_rows
 from sphsolid.record.manifest import NAME as MANIFEST
 from sphsolid.record.manifest import Manifest
 from sphsolid.record.output import EVERY_RECORD, Every, Never, Sink, Task
+from sphsolid.record.recorder_words import refuse_other_recorders
 from sphsolid.record.run_json import NAME as RUN
-from sphsolid.record.run_json import RunJson, earlier_run
+from sphsolid.record.run_json import RunJson, earlier_run, recorders_of
 from sphsolid.record.snapshot import Snapshot
 from sphsolid.record.solver import Solver
 from sphsolid.record.vtkhdf import VtkHdfFile, expected_records
@@ -66,7 +68,13 @@ class RunFolder:
 
     def __post_init__(self) -> None:
         """Refuse what is no path, and options that contradict each other."""
-        path_of(self.path)
+        for name in ("replace", "resume"):
+            value = getattr(self, name)
+            # Anything else that is true would remove a run, the text "no" too.
+            require(
+                isinstance(value, bool), f"RunFolder: {name} = {value!r} must be True or False"
+            )
+        refuse_no_name(path_of(self.path))
         require(
             not (self.replace and self.resume),
             f"RunFolder({str(self.path)!r}): replace removes the run that resume would go on with; "
@@ -88,9 +96,7 @@ class RunFolder:
     def take_up(self, solver: Solver) -> list[Row]:
         """Restore ``solver`` from the folder's checkpoint when asked to; no file is changed."""
         folder = path_of(self.path)
-        require(
-            folder.is_dir() or not folder.exists(), f"{folder} is a file; name a folder for the run"
-        )
+        refuse_no_folder(folder)
         refuse_in_use(folder)
         manifest = Manifest(folder)
         _refuse_foreign(manifest)
@@ -105,7 +111,13 @@ class RunFolder:
         return _resume(folder, solver)
 
     def open(self, solver: Solver, task: Task, rows: Sequence[Row]) -> Sink:
-        """Begin to write after ``rows``."""
+        """Begin to write after ``rows``; raises ``InputError`` where there can be no folder.
+
+        And where a recorder took the place of another of the run that goes on.
+        """
+        if rows:
+            folder = path_of(self.path)
+            refuse_other_recorders(recorders_of(folder), task.recorders, f"the run in {folder}")
         return _Writer(self, solver, task, rows)
 
 
@@ -150,7 +162,7 @@ class _Writer:
         self, options: RunFolder, solver: Solver, task: Task, rows: Sequence[Row]
     ) -> None:
         folder = path_of(options.path)
-        (folder / FRAMES).mkdir(parents=True, exist_ok=True)
+        make_folder(folder, FRAMES)
         self._options, self._solver, self._folder = options, solver, folder
         self._records, self._until = len(rows), task.until
         # Read before the lock is ours: with it, a killed run would look alive.

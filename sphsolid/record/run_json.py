@@ -56,6 +56,15 @@ def earlier_run(folder: Path) -> dict[str, Any]:
     return {name: found[name] for name in kept if name in found}
 
 
+def recorders_of(folder: Path) -> list[str]:
+    """In words, what the run that is already in ``folder`` was recorded by; empty if unknown."""
+    try:
+        found = read_run(folder).get("recorded_by", [])
+    except InputError:
+        return []
+    return [str(each) for each in found] if isinstance(found, list) else []
+
+
 class RunJson:
     """Says ``running`` from the start; what a run that was killed leaves, see :func:`read_run`.
 
@@ -83,6 +92,7 @@ class RunJson:
             "until_s": task.until,
             "every_s": task.every,
             "recorders": [repr(recorder) for recorder in task.record],
+            "recorded_by": list(task.recorders),
             "versions": {"sphsolid": _version(), "python": platform.python_version()}
             | description(),
             "started": _now(),

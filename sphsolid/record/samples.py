@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sphsolid.geometry.mesh import Mesh
+from sphsolid.record.exact_samples import exact_functions
 from sphsolid.scenes.callbacks import asked
 from sphsolid.scenes.constraint import Fixed, vertex_normals
 from sphsolid.scenes.scene import FromGeometry, NoBodyForce, Scene
@@ -29,6 +30,8 @@ SAME = 1.0e-9
 _INSTANTS = 128
 #: Half steps ahead of a checkpoint that are sampled.
 _AHEAD = 8
+#: Points at which an exact solution is asked, about.
+_FEW = 100
 _GOLDEN = 0.6180339887498949
 
 
@@ -54,9 +57,11 @@ class Sampler:
     def __init__(self, scene: Scene, mesh: Mesh) -> None:
         self._scene, self._mesh = scene, mesh
         self._kept: dict[str, dict[float | None, Array]] = {}
+        # Of an exact solution a few points say enough: it is a formula.
+        self._few = mesh.vertices[:: max(1, len(mesh.vertices) // _FEW)]
 
     def at(self, times: Sequence[float]) -> Samples:
-        """Samples of initial data, loads and prescribed motions; see the module."""
+        """Samples of initial data, loads, prescribed motions and the exact solution."""
         scene, X = self._scene, self._mesh.vertices
         found: Samples = {}
 
@@ -82,14 +87,17 @@ class Sampler:
             sample("initial deformation gradient", stated, (X,), [None], tensor=True)
         for constraint in scene.constraints:
             if not isinstance(constraint.velocity, Fixed):
-                particles, _ = vertex_normals(self._mesh, constraint.face)
                 what = f"prescribed velocity on {constraint.face}"
-                sample(what, constraint.velocity, (X[particles],), times)
+                for particles, _ in vertex_normals(self._mesh, constraint.face):
+                    sample(what, constraint.velocity, (X[particles],), times)
         for traction in scene.tractions:
-            particles, normal = vertex_normals(self._mesh, traction.face)
-            sample(f"traction on {traction.face}", traction.value, (X[particles], normal), times)
+            what = f"traction on {traction.face}"
+            for particles, normal in vertex_normals(self._mesh, traction.face):
+                sample(what, traction.value, (X[particles], normal), times)
         if not isinstance(scene.body_force, NoBodyForce):
             sample("body force", scene.body_force, (X,), times)
+        for name, function, tensor in exact_functions(scene.exact):
+            sample(name, function, (self._few,), times, tensor=tensor)
         return found
 
 

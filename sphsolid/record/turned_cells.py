@@ -26,6 +26,9 @@ Indices = NDArray[np.int64]
 #: fifth is flatter, of a mesh of tetrahedra 2 %; in the twisted column of such a cloud, which is
 #: sound, cells of shape 0.4 turn and none above.
 LEAST_SHAPE = 0.5
+#: Of a mesh that is flat everywhere, such as thin layers, this share of its median shape: there the
+#: height of a cell is the distance of two layers, which a sound body keeps.
+_OF_MEDIAN = 0.8
 #: Cells worked on at once.
 _BLOCK = 1024
 #: Distance of a Gauss point from the nearer end, over the edge.
@@ -48,7 +51,7 @@ def inside_out(snapshot: Placed) -> InsideOut:
     """Share of the cells inside out and the smallest determinant, of ``snapshot.mesh``.
 
     Particles are judged by the cells between them; tetrahedra flatter than :data:`LEAST_SHAPE`
-    are left out.
+    are left out, but in a mesh that is flat everywhere.
     """
     cells = _CELLS(snapshot.mesh)
     if cells.corners.shape[1] == 0:
@@ -89,7 +92,8 @@ def _cells(mesh: Mesh) -> _Cells:
         corners = mesh.cells.T[_GRID]
     else:
         corners = mesh.cells.T
-        corners = corners[:, _shape(X, corners) >= LEAST_SHAPE]
+        shape = _shape(X, corners)
+        corners = corners[:, shape >= min(LEAST_SHAPE, _OF_MEDIAN * float(np.median(shape)))]
     corners = np.ascontiguousarray(corners)
     return _Cells(corners, _jacobians(X, corners))
 

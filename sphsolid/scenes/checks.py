@@ -2,28 +2,16 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from numbers import Real
-from typing import Any, TypeVar
+from typing import Any
 
 import numpy as np
 
 from sphsolid.errors import InputError, require
-
-Member = TypeVar("Member")
-
-
-def number(what: str, value: object, unit: str) -> float:
-    """A finite real number of any type as a ``float``; raises ``InputError`` for anything else."""
-    if isinstance(value, bool) or not isinstance(value, Real):
-        raise InputError(f"{what} = {value!r} is not a number; give it in {unit}")
-    try:
-        made = float(value)
-    except OverflowError:
-        made = math.inf
-    require(math.isfinite(made), f"{what} = {value} {unit} must be finite")
-    return made
+from sphsolid.protocols import members as members
+from sphsolid.protocols import number as number
+from sphsolid.scenes.places import Places
 
 
 def as_float(value: Any) -> Any:
@@ -56,21 +44,8 @@ def orientation(what: str, F: Any, X: Any) -> None:
         )
 
 
-def members(what: str, value: object, kind: type[Member]) -> tuple[Member, ...]:
-    """A list or tuple of ``kind`` as a tuple; raises ``InputError`` for anything else."""
-    name = kind.__name__
-    if isinstance(value, kind):
-        raise InputError(f"{what} is a lone {name}; put it into a tuple: {what}=({name}(...),)")
-    if not isinstance(value, list | tuple):
-        raise InputError(f"{what} = {value!r} is not a tuple of {name}(...)")
-    for each in value:
-        if not isinstance(each, kind):
-            raise InputError(f"{what} holds {each!r}, which is no {name}; give {name}(...)")
-    return tuple(value)
-
-
 def probes(what: str, value: object) -> dict[str, tuple[float, float, float]]:
-    """Names and places [m] of probes, checked and copied."""
+    """Names and places [m] of probes, checked and copied; nobody can change the copy."""
     if not isinstance(value, Mapping):
         raise InputError(f'{what} = {value!r} is not a dict of points: {{"tip": (0.0, 0.0, 1.0)}}')
     checked = {}
@@ -85,7 +60,7 @@ def probes(what: str, value: object) -> dict[str, tuple[float, float, float]]:
                 "coordinates [m] of the undeformed body"
             )
         checked[name] = (float(point[0]), float(point[1]), float(point[2]))
-    return checked
+    return Places(checked)
 
 
 def body(what: str, value: Any) -> None:

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from sphsolid.errors import InputError
 from sphsolid.geometry.integrals import area_vectors
 from sphsolid.geometry.mesh import Mesh
+from sphsolid.geometry.patches import smooth_patches
 from sphsolid.scenes import checks
 from sphsolid.scenes.callbacks import asked
 
@@ -78,20 +79,33 @@ class EssentialPart:
         return isinstance(self.velocity, Fixed)
 
 
-def vertex_normals(mesh: Mesh, face: str) -> tuple[NDArray[np.int64], Array]:
-    """Unit outward normals at the vertices of a tag, area-weighted: ``(n,), (n, 3)``."""
-    facets = mesh.face(face)
-    particles = np.unique(facets)
-    area = area_vectors(mesh, facets)[particles]
-    return particles, area / np.linalg.norm(area, axis=1, keepdims=True)
+def vertex_normals(mesh: Mesh, face: str) -> list[tuple[NDArray[np.int64], Array]]:
+    """Unit outward normals at the vertices of a tag, area-weighted: ``(n,), (n, 3)`` a patch.
+
+    A vertex on a sharp edge of the tag is in the patches of all its sides
+    (:func:`~sphsolid.geometry.patches.smooth_patches`).
+    """
+    found = []
+    for facets in smooth_patches(mesh, mesh.face(face)):
+        particles = np.unique(facets)
+        area = area_vectors(mesh, facets)[particles]
+        found.append((particles, area / np.linalg.norm(area, axis=1, keepdims=True)))
+    return found
 
 
 def essential_parts(constraints: tuple[Constraint, ...], mesh: Mesh) -> list[EssentialPart]:
-    """Projectors of every constraint; a later one only adds directions still free at a particle."""
+    """Projectors of every constraint; a later one only adds directions still free at a particle.
+
+    A tag that goes round a sharp edge is as if each of its sides had a tag.
+    """
     taken = np.zeros((len(mesh.vertices), 3, 3))
     parts = []
-    for constraint in constraints:
-        particles, normal = vertex_normals(mesh, constraint.face)
+    sides = [
+        (constraint, *side)
+        for constraint in constraints
+        for side in vertex_normals(mesh, constraint.face)
+    ]
+    for constraint, particles, normal in sides:
         nn = normal[:, :, None] * normal[:, None, :]
         wanted = {
             "normal": nn,

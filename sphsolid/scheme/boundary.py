@@ -40,12 +40,12 @@ class Loads:
         self._X = cloud.X
         self._patches = []
         for traction in scene.tractions:
-            area = cloud.areas_of(traction.face)
-            particles = np.flatnonzero(np.linalg.norm(area, axis=1) > 0.0)
-            size = np.linalg.norm(area[particles], axis=1)
-            normal = area[particles] / size[:, None]
-            per_volume = (size / cloud.V[particles])[:, None]
-            self._patches.append((traction, particles, normal, per_volume))
+            for area in cloud.areas_of_sides(traction.face):
+                particles = np.flatnonzero(np.linalg.norm(area, axis=1) > 0.0)
+                size = np.linalg.norm(area[particles], axis=1)
+                normal = area[particles] / size[:, None]
+                per_volume = (size / cloud.V[particles])[:, None]
+                self._patches.append((traction, particles, normal, per_volume))
         self._at: float | None = None
         self._total = self._body = np.zeros_like(cloud.X)
 

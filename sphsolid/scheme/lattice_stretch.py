@@ -6,6 +6,7 @@ import math
 
 from sphsolid.compiled import inlined
 from sphsolid.continuum.tensor import determinant
+from sphsolid.continuum.wave_speed import step_share
 from sphsolid.scheme.lattice_sums import tensor_at
 
 #: ``2 cos(2/3 arccos h)`` for ``0 <= h <= 1`` to 2e-10, interpolated at Chebyshev points.
@@ -50,11 +51,11 @@ def least_stretch(F):  # type: ignore[no-untyped-def]
 
 @inlined
 def mark(S, q, tile, limit):  # type: ignore[no-untyped-def]
-    """From nine scratch rows of ``F``: the stretch; -1 where ``det F <= 0``, -2 where no number."""
+    """``step_share`` of nine scratch rows of ``F``; -1 where ``det F <= 0``, -2 where no number."""
     for k in range(tile.count):
         F = tensor_at(S, q + k)
         J = determinant(F)
         stretch = least_stretch(F)
         total = stretch + J
-        valid = stretch if J > 0.0 else -1.0
+        valid = step_share(stretch, J) if J > 0.0 else -1.0
         limit[tile.at + k] = valid if total - total == 0.0 else -2.0

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from sphsolid.compiled import kernel, prange
 from sphsolid.continuum.tensor import determinant
-from sphsolid.continuum.wave_speed import THINNEST, smallest_stretch
+from sphsolid.continuum.wave_speed import THINNEST, smallest_stretch, step_share
 from sphsolid.errors import Diverged, InputError, require
 from sphsolid.fields import LANES, components
 from sphsolid.scheme import tile as on_tile
@@ -28,7 +28,7 @@ ADVICE = (
 
 @kernel
 def _stretch_limits(p, F, J, limit, scratch):  # type: ignore[no-untyped-def]
-    # The smallest stretch of a valid particle; -1 for J <= 0; -2 for a non-finite state.
+    # The share of the undeformed step of a valid particle; -1 for J <= 0; -2 where not finite.
     has_J = J.size > 0
     tiles, workers = len(limit) // LANES, len(scratch)
     for t in prange(workers):
@@ -46,12 +46,12 @@ def _stretch_limits(p, F, J, limit, scratch):  # type: ignore[no-untyped-def]
                 stretch = smallest_stretch(F_a)
                 # The sum is not finite where one of its terms is not.
                 total = stretch + J_a + (p[0, at + lane] + p[1, at + lane] + p[2, at + lane])
-                valid = stretch if min(J_a, detF) > 0.0 else -1.0
+                valid = step_share(stretch, detF) if min(J_a, detF) > 0.0 else -1.0
                 limit[at + lane] = valid if total - total == 0.0 else -2.0
 
 
 def take_stretches(state: State, scratch: Array) -> None:
-    """The smallest stretches of ``state.F`` into the field of that name."""
+    """The smallest stretches of ``state.F``, less where it grew, into the field of that name."""
     p, F, _, J = state.rows()
     limit = components(state[STRETCH])[0]
     _stretch_limits(p, F, J, limit[: -(-len(state.x) // LANES) * LANES], scratch)
@@ -74,7 +74,8 @@ def check_cfl(cfl: object) -> None:
 
 
 class TimeStep:
-    """``dt = alpha_CFL h_min / max_a c_p,a`` with ``c_p,a = c_p / (smallest stretch of F_a)``.
+    """``dt = alpha_CFL h_min / max_a c_p,a`` with ``c_p,a = c_p / (smallest stretch of F_a)``,
+    times ``J / GROWN`` where the volume grew by more than :data:`GROWN`.
 
     ``h_min`` [m] is the smallest particle spacing of the reference body and ``c_p`` [m/s] the
     p-wave speed of the undeformed solid.

@@ -17,7 +17,7 @@ from __future__ import annotations
 
 import copy
 import tomllib
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -150,21 +150,23 @@ def case_of(
 def _set(values: dict[str, Any], setting: Setting, problems: Problems) -> None:
     """Put a value in its place; tables that are not there are made."""
     inside: Any = values
-    *path, last = setting.place
-    for k, part in enumerate(path):
-        if isinstance(inside, list) and isinstance(part, int) and part < len(inside):
-            inside = inside[part]
-        elif isinstance(inside, dict):
-            inside = inside.setdefault(part, {})
-        if not isinstance(inside, Mapping | list):
-            problems.add(setting.place, f"{spelled(setting.place[: k + 1])} is no table")
+    part: Any
+    for k, part in enumerate(setting.place):
+        if isinstance(inside, list) and not (isinstance(part, int) and part < len(inside)):
+            name = spelled(setting.place[:k])
+            rest = setting.place[k + 1 :] if isinstance(part, int) else setting.place[k:]
+            problems.add(
+                setting.place,
+                f"{name} is a list of {len(inside)}, counted from 1; write "
+                f"{spelled((*setting.place[:k], 0, *rest))}",
+            )
             return
-    if isinstance(inside, list) and (not isinstance(last, int) or last >= len(inside)):
-        name = spelled(setting.place[:-1])
-        problems.add(
-            setting.place,
-            f"{name} is a list of {len(inside)}, counted from 1; write {name}[1]"
-            + ("" if isinstance(last, int) else f".{last}"),
-        )
-        return
-    inside[last] = setting.value
+        if not isinstance(inside, dict | list):
+            problems.add(setting.place, f"{spelled(setting.place[:k])} is no table")
+            return
+        if k == len(setting.place) - 1:
+            inside[part] = setting.value
+        elif isinstance(inside, list):
+            inside = inside[part]
+        else:
+            inside = inside.setdefault(part, {})

@@ -53,7 +53,7 @@ def describe_run(
         "cases_failed": failed,
         "cases_resumed": resumed,
         "version": package_version(),
-        "commit": _git("rev-parse", "HEAD"),
+        "commit": commit(),
         "sources_modified": bool(
             _git("status", "--porcelain", "--", "sphsolid", "fem_reference", "studies")
         ),
@@ -68,6 +68,11 @@ def describe_run(
         "cluster": cluster,
         "threads_per_job": threads,
     }
+
+
+def commit() -> str:
+    """The commit that is checked out."""
+    return _git("rev-parse", "HEAD")
 
 
 def cores() -> int:

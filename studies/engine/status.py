@@ -1,7 +1,8 @@
 """Which reports are older than the code: ``make reports-status``.
 
 A report names in ``run.json`` the hash of the sources that its tables were made by, the solvers'
-among them.  Where that has changed since, its numbers may have changed too.
+among them.  Where that has changed since, its numbers may have changed too: ``python -m
+studies.engine.carry`` runs some of its cases again and compares.
 """
 
 from __future__ import annotations
@@ -10,6 +11,7 @@ import importlib
 import json
 import sys
 from pathlib import Path
+from typing import Any
 
 import pandas as pd
 
@@ -19,7 +21,10 @@ CURRENT, OLDER = "current", "older than the code"
 
 
 def status(reports: Path = ROOT / "reports") -> pd.DataFrame:
-    """A row a report: ``study, date, commit, modified, status``."""
+    """A row a report: ``study, date, commit, modified, again, status``.
+
+    ``again``: how many of its cases later sources gave the same rows for.
+    """
     rows = []
     for path in sorted(reports.glob("*/run.json")):
         run = json.loads(path.read_text(encoding="utf-8"))
@@ -29,14 +34,21 @@ def status(reports: Path = ROOT / "reports") -> pd.DataFrame:
                 "date": run["date_utc"],
                 "commit": run["commit"][:10],
                 "modified": bool(run["sources_modified"]),
+                "again": _again(run),
                 "status": _status(run),
             }
         )
-    return pd.DataFrame(rows, columns=["study", "date", "commit", "modified", "status"])
+    return pd.DataFrame(rows, columns=["study", "date", "commit", "modified", "again", "status"])
 
 
-def _status(run: dict[str, str]) -> str:
+def _status(run: dict[str, Any]) -> str:
     return CURRENT if run.get("study_hash") == _hash_of_study(run["study"]) else OLDER
+
+
+def _again(run: dict[str, Any]) -> str:
+    """How many cases were run again since, and gave the same rows."""
+    carried = run.get("carried")
+    return f"{carried['cases']} of {run['cases']}" if carried else ""
 
 
 def _hash_of_study(name: str) -> str:

@@ -31,7 +31,7 @@ ALLOWED: dict[str, set[str]] = {
     "sphsolid.paths": {"sphsolid.errors"},
     "sphsolid.protocols": {"sphsolid.errors"},
     "sphsolid.continuum": BASE,
-    "sphsolid.geometry": {"sphsolid.errors", "sphsolid.paths"},
+    "sphsolid.geometry": {"sphsolid.errors", "sphsolid.paths", "sphsolid.protocols"},
     "sphsolid.scenes": _PHYSICS | {"sphsolid.geometry"},
     "sphsolid.record": _PROBLEM,
     "sphsolid.run": _PROBLEM | {"sphsolid.record"},

@@ -5,12 +5,13 @@ linear elasticity, convexity.  The checkers are themselves checked with planted 
 from __future__ import annotations
 
 import math
+from functools import partial
 
 import numpy as np
 import pytest
 
 from sphsolid.compiled import serial_kernel
-from sphsolid.continuum import MooneyRivlin, NeoHookean, law
+from sphsolid.continuum import MooneyRivlin, NeoHookean, SaintVenantKirchhoff, law
 from sphsolid.continuum.moduli import bulk_modulus, check_elastic, first_lame, shear_modulus
 from sphsolid.continuum.tensor import (
     add,
@@ -262,7 +263,32 @@ def test_bad_constants_are_refused(young_modulus, poisson_ratio, density, named)
             make()
 
 
-@pytest.mark.parametrize("share", [-0.1, 1.1, math.nan])
+@pytest.mark.parametrize(
+    "make",
+    [
+        NeoHookean.from_young,
+        SaintVenantKirchhoff.from_young,
+        partial(MooneyRivlin.from_young, cofactor_share=0.5),
+    ],
+)
+@pytest.mark.parametrize("wrong", ["1e6", (1e6,), None, True, [1.0], 1j, np.ones(2), 10**400])
+@pytest.mark.parametrize("name", ["young_modulus", "poisson_ratio", "density"])
+def test_what_is_no_number_is_refused_by_its_name(make, name, wrong):
+    values = {"young_modulus": 1e6, "poisson_ratio": 0.3, "density": 1000.0, name: wrong}
+    with pytest.raises(InputError, match=rf"^{name} = .* (is not a number|must be finite)"):
+        make(**values)
+
+
+def test_all_laws_have_the_same_moduli():
+    values = {"young_modulus": 17e6, "poisson_ratio": 0.45, "density": 1100}
+    mu, kappa = 17e6 / (2.0 * 1.45), 17e6 / (3.0 * (1.0 - 0.9))
+    assert NeoHookean.from_young(**values) == (mu, kappa, 1100.0)
+    assert SaintVenantKirchhoff.from_young(**values) == (mu, kappa, 1100.0)
+    general = MooneyRivlin.from_young(**values, cofactor_share=0.25)
+    assert general == (0.375 * mu, 0.25 * mu / (3.0 * math.sqrt(3.0)), kappa, 1100.0)
+
+
+@pytest.mark.parametrize("share", [-0.1, 1.1, math.nan, "0.5", None, (0.5,)])
 def test_bad_share_is_refused(share):
     with pytest.raises(InputError, match="cofactor_share"):
         MooneyRivlin.from_young(

@@ -185,6 +185,9 @@ def test_it_is_read_right(tmp_path, name):
         np.testing.assert_allclose(area, vector, atol=1e-14)
 
 
+#: What is said of a number that 64 bits do not hold, and of one that Python itself does not read.
+TOO_LARGE = (r"the number 9+ is too large; they go up to 9223372036854775807", "digits")
+
 #: Files that are refused: what they say, and what must be said of them.
 REFUSED: dict[str, tuple[str | bytes, str]] = {
     "nodes of another file": (
@@ -317,6 +320,40 @@ REFUSED: dict[str, tuple[str | bytes, str]] = {
         FLAT + "*NSET, NSET=n\n1, 2, 1", "line 39, the last one, has no line break, .* cut there"
     ),
     "not a text": (b"*NODE\n\0\1\2\0", "it is no text"),
+    "two faces on a line": (
+        FLAT + "*SURFACE, NAME=s\n2, S2, 4, S2\n",
+        r"line \d+, \*SURFACE: the line '2, S2, 4, S2' has more than an element set and a face; "
+        "write one such pair a line",
+    ),
+    "two faces on a second line": (
+        FLAT + "*SURFACE, NAME=s\n1, S2\n2, S2,, 4\n", "the line '2, S2,, 4' has more than"
+    ),
+    "three nodes on a line of a surface": (
+        FLAT + "*SURFACE, NAME=s, TYPE=NODE\n1, 2, 3\n", "'1, 2, 3' has more than a node set and"
+    ),
+    "two node sets on a line of a surface": (
+        FLAT + "*NSET, NSET=a\n1\n*NSET, NSET=b\n2\n*SURFACE, NAME=s, TYPE=NODE\na, b\n",
+        "the line 'a, b' has more than a node set and an area",
+    ),
+    "two nodes on a line": (
+        FLAT + "*NODE\n90, 0., 0., 0., 91, 0., 1., 0.\n", r"\*NODE: the line '90, .* write one node"
+    ),
+    **{
+        f"a number of {digits} digits in {where}": (
+            text.replace("BIG", "9" * digits),
+            rf"line \d+, \*{where.split()[0]}: .*{TOO_LARGE[digits > 4300]}",
+        )
+        for digits in (19, 20, 300, 5000)
+        for where, text in (
+            ("NODE", FLAT + "*NODE\nBIG, 0., 0., 0.\n"),
+            ("ELEMENT", FLAT + "*ELEMENT, TYPE=C3D8\nBIG, 1, 2, 3, 4, 5, 6, 7, 8\n"),
+            ("ELEMENT of a mass", FLAT + "*ELEMENT, TYPE=MASS\nBIG, 1\n"),
+            ("NSET", FLAT + "*NSET, NSET=a\n1, BIG\n"),
+            ("ELSET", FLAT + "*ELSET, ELSET=a\n1, BIG\n"),
+            ("ELSET with GENERATE", FLAT + "*ELSET, ELSET=a, GENERATE\n1, BIG, 1\n"),
+            ("SURFACE", FLAT + "*SURFACE, NAME=a\nBIG, S1\n"),
+        )
+    },
 }  # fmt: skip
 
 

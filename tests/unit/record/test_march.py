@@ -9,7 +9,7 @@ import pandas as pd
 import pytest
 
 from sphsolid.errors import Diverged, InputError
-from sphsolid.record import Errors, Probe, march
+from sphsolid.record import Errors, Probe, RunFolder, march
 from sphsolid.scenes import swinging_cube
 
 
@@ -87,6 +87,32 @@ def test_no_recorder_no_rows_and_no_snapshot(fake_solver):
     solver = fake_solver()
     solver.snapshot = lambda: pytest.fail("a snapshot nobody wants")
     assert len(march(solver, until=0.1).table) == 0
+
+
+class Fickle:
+    """Names its column by what it sees."""
+
+    def __init__(self, *names):
+        self.names = list(names)
+
+    def record(self, snapshot, scene):
+        return dict.fromkeys(self.names.pop(0), 1.0)
+
+
+@pytest.mark.parametrize("has_folder", [True, False])
+@pytest.mark.parametrize(
+    "names",
+    [(["a"], ["b"], ["b"]), (["a"], ["a", "b"]), (["a", "b"], ["b"]), (["a", "b"], ["b", "a"])],
+)
+def test_columns_that_change_are_refused_with_and_without_a_folder(
+    fake_solver, tmp_path, names, has_folder
+):
+    output = {"output": RunFolder(tmp_path / "run")} if has_folder else {}
+    with pytest.raises(InputError, match="other columns than the history before it") as refused:
+        march(fake_solver(), until=0.2, every=0.1, record=[Fickle(*names)], **output)
+    table = refused.value.history.table
+    assert list(table) == ["time [s]", "step", *names[0]]
+    assert not table.isna().to_numpy().any()
 
 
 def test_progress_is_told_at_every_record(fake_solver):

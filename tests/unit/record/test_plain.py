@@ -28,9 +28,58 @@ EQUAL = [
 ]
 
 
+EQUAL += [
+    (np.arange(2000.0), np.arange(2000.0)),
+    (np.asfortranarray(np.eye(3)), np.eye(3)),
+    ({"a": 1, "b": 2}, {"b": 2.0, "a": 1.0}),
+    ({"a", "b", "c"}, {"c", "b", "a"}),
+    (np.True_, True),
+]
+
+
 @pytest.mark.parametrize(("one", "other"), EQUAL)
 def test_equal_values_read_the_same(one, other):
     assert plain(one) == plain(other)
+
+
+def changed(array, index):
+    """``array`` with another number in its middle, which ``repr`` leaves out."""
+    array = array.copy()
+    array[index] += 1
+    return array
+
+
+def objects(array):
+    held = np.empty(1, dtype=object)
+    held[0] = array
+    return held
+
+
+@dataclasses.dataclass(frozen=True)
+class Held:
+    table: np.ndarray
+
+
+LONG = np.arange(2000.0)
+MANY = np.zeros((200, 40), dtype=np.int32)
+
+
+@pytest.mark.parametrize(
+    ("one", "other"),
+    [
+        (LONG, changed(LONG, 1000)),
+        (MANY, changed(MANY, (100, 20))),
+        ({"table": LONG}, {"table": changed(LONG, 1000)}),
+        ((LONG, 1), (changed(LONG, 1000), 1)),
+        (Held(LONG), Held(changed(LONG, 1000))),
+        (LONG, LONG.reshape(2, -1)),
+        (LONG, LONG.astype(np.float32)),
+        (objects(LONG), objects(changed(LONG, 1000))),
+        (np.ma.masked_less(LONG, 5.0), np.ma.masked_less(LONG, 6.0)),
+    ],
+)
+def test_arrays_are_known_by_all_their_bytes(one, other):
+    assert plain(one) != plain(other)
 
 
 @pytest.mark.parametrize(

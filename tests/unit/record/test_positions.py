@@ -237,6 +237,29 @@ def test_slivers_do_not_decide():
     assert inside_out(placed(mesh, x)).share == 1.0
 
 
+def layers(height: float = 0.3):
+    """A body of flat tetrahedra, six of each 1 x 1 x ``height`` of a cell."""
+    mesh = lattice(size=(6.0, 2.0, 2.0), h=1.0)
+    paths = [(0, 1, 2, 6), (0, 2, 3, 6), (0, 3, 7, 6), (0, 7, 4, 6), (0, 4, 5, 6), (0, 5, 1, 6)]
+    cells = np.concatenate([mesh.cells[:, path] for path in paths])
+    X = mesh.vertices * [1.0, 1.0, height]
+    return sph.geometry.TetMesh(X, cells, {}, 1.0, False)
+
+
+@pytest.mark.parametrize("height", [0.3, 0.1])
+def test_a_mesh_that_is_flat_everywhere_is_judged(height):
+    mesh = layers(height)
+    X = mesh.vertices
+    assert inside_out(placed(mesh, X)).share == 0.0
+    for turned in ([-1.0, 1.0, 1.0], [1.0, 1.0, -1.0]):
+        assert judge_positions(placed(mesh, X * turned)).folded
+    assert inside_out(placed(mesh, X * [1.0, 1.0, 0.0])).share == 1.0
+    x = X.copy()
+    # The last plane of points goes through the one before it.
+    x[X[:, 0] == 6.0, 0] -= 1.3
+    assert judge_positions(placed(mesh, x)).folded
+
+
 def test_points_that_are_no_particles_are_judged_too():
     mesh = lattice()
     F = np.stack([np.eye(3), np.diag([1.0, 1.0, -0.5]), np.eye(3), np.eye(3)])

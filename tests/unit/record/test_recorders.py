@@ -7,6 +7,7 @@ import math
 import numpy as np
 import pytest
 
+from sphsolid.errors import InputError
 from sphsolid.record import (
     AngularMomentum,
     Energy,
@@ -79,3 +80,9 @@ def test_fields_of_a_snapshot(two):
     np.testing.assert_array_equal(two.field("v").V, [1.0, 3.0])
     assert two.field("J").values.shape == (2,)
     assert two.field("F").values.shape == (2, 3, 3)
+
+
+@pytest.mark.parametrize("point", [["t"], {"t"}, ("t",), 3, None, Probe])
+def test_a_probe_of_no_name_is_refused(point):
+    with pytest.raises(InputError, match=r"^Probe: point = .* is not the name of a probe"):
+        Probe(point)

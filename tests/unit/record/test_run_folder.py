@@ -182,6 +182,42 @@ def test_bad_options_are_refused(tmp_path):
         Every(records=True)
 
 
+@pytest.mark.parametrize("name", ["resume", "replace"])
+@pytest.mark.parametrize("value", ["yes", "no", "", 1, 0, None, np.True_, [True]])
+def test_only_true_and_false_resume_and_replace(fake_solver, tmp_path, name, value):
+    run(fake_solver(), tmp_path)
+    before = content(tmp_path)
+    with pytest.raises(InputError, match=f"RunFolder: {name} = .* must be True or False"):
+        run(fake_solver(), tmp_path, **{name: value})
+    assert content(tmp_path) == before
+
+
+@pytest.mark.parametrize(
+    ("path", "named"),
+    [
+        ("/dev/null/x", "^/dev/null, in the path of the run, is a file"),
+        ("/dev/null", "^/dev/null is a file"),
+        ("/proc/x/y", "^the folder /proc/x/y cannot be made"),
+        ("a\0b", r"path = 'a\\x00b' has a null character"),
+        ("x" * 5000, "cannot be a folder"),
+        ("file/x/y", "file, in the path of the run, is a file"),
+        ("link", "link cannot be made"),
+    ],
+)
+def test_what_cannot_be_a_folder_is_refused_in_one_sentence(
+    fake_solver, tmp_path, monkeypatch, path, named
+):
+    monkeypatch.chdir(tmp_path)
+    Path("file").write_text("mine")
+    Path("link").symlink_to("nowhere")
+    solver = fake_solver()
+    with pytest.raises(InputError, match=named) as refused:
+        run(solver, path)
+    assert "\n" not in str(refused.value)
+    assert solver.step == 0
+    assert sorted(file.name for file in tmp_path.iterdir()) == ["file", "link"]
+
+
 def test_a_file_in_place_of_the_folder_is_refused(fake_solver, tmp_path):
     (tmp_path / "run").write_text("mine")
     with pytest.raises(InputError, match="is a file"):

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from sphsolid.errors import InputError
+from sphsolid.geometry import HoledBlock, TetBox
 from sphsolid.scenes import Box, Constraint, swinging_cube
 from sphsolid.scenes.constraint import essential_parts, vertex_normals
 
@@ -93,9 +96,37 @@ def test_a_later_constraint_adds_only_what_is_free():
 
 
 def test_normals_are_unit_and_outward_on_a_disordered_face():
-    particles, normal = vertex_normals(Box(jitter=0.4).mesh(0.25), "Y-")
+    [(particles, normal)] = vertex_normals(Box(jitter=0.4).mesh(0.25), "Y-")
     assert len(particles) == 25
     np.testing.assert_allclose(normal, np.broadcast_to(-Y, normal.shape), atol=1e-14)
+
+
+def as_one_tag(mesh, *faces):
+    """The mesh with one tag, ``skin``, over some of its faces."""
+    return replace(mesh, faces={"skin": np.concatenate([mesh.faces[face] for face in faces])})
+
+
+ALL_FACES = ("X-", "X+", "Y-", "Y+", "Z-", "Z+")
+
+
+@pytest.mark.parametrize("body", [Box(), TetBox(upper=(1.0, 1.0, 0.5)), Box(jitter=0.3)])
+@pytest.mark.parametrize("direction", ["normal", "tangential"])
+def test_a_tag_round_an_edge_holds_what_its_sides_hold(body, direction):
+    mesh = body.mesh(0.25)
+    one = essential_parts((Constraint("skin", direction),), as_one_tag(mesh, *ALL_FACES))
+    many = essential_parts(tuple(Constraint(face, direction) for face in ALL_FACES), mesh)
+    held = [np.zeros((len(mesh.vertices), 3, 3)) for _ in range(2)]
+    for taken, parts in zip(held, (one, many), strict=True):
+        for part in parts:
+            taken[part.particles] += part.projector
+    np.testing.assert_allclose(held[0], held[1], atol=1e-12)
+    corner = np.flatnonzero(np.all(np.isclose(mesh.vertices, 0.0), axis=1))
+    np.testing.assert_allclose(held[0][corner], np.eye(3)[None], atol=1e-12)
+
+
+def test_a_curved_tag_is_one_side():
+    mesh = HoledBlock(upper=(4.0, 4.0, 1.0), radius=0.5).mesh(0.25)
+    assert len(vertex_normals(mesh, "hole")) == 1
 
 
 def test_bad_constraints_are_refused():

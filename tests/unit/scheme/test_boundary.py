@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from numpy.typing import NDArray
@@ -167,3 +169,29 @@ def test_a_clamp_that_moves_rigidly_carries_a_stress_free_body() -> None:
     s = sim.snapshot()
     np.testing.assert_allclose(s.velocity, along(s.X, 0.0), rtol=1e-11)
     assert np.max(np.abs(s.P)) < 1e-10 * RUBBER.mu
+
+
+SQUARE = (1.0, 1.0, 1.0)
+
+
+@pytest.mark.parametrize("operator", [sph.Literal(), sph.SummationByParts()])
+@pytest.mark.parametrize(
+    ("field", "force"),
+    [
+        (lambda X, N, t: np.broadcast_to([0.0, 0.0, 1e3], X.shape), 6000.0),
+        (lambda X, N, t: np.where(X[:, 2:] > 0.999, [0.0, 0.0, 1e3], 0.0), None),
+        (lambda X, N, t: np.where(N[:, 2:] > 0.9, [0.0, 0.0, 1e3], 0.0), 1000.0),
+        (lambda X, N, t: -N, 0.0),
+    ],
+)
+def test_a_tag_round_its_edges_carries_the_load_of_all_its_sides(operator, field, force) -> None:
+    """The skin of a unit cube under one tag: 6 m^2, and a normal for each of its sides."""
+    mesh = Box(upper=SQUARE).mesh(0.25)
+    skin = replace(mesh, faces={"skin": np.concatenate(list(mesh.faces.values()))})
+    cloud = build_cloud(skin, smoothing=sph.WendlandC2(), h_over_dx=1.0, operator=operator)
+    scene = Scene("skin", Box(upper=SQUARE), RUBBER, 1.0, tractions=(Traction("skin", field),))
+    E, _ = Loads(scene, cloud).at(0.0)
+    if force is None:
+        # Of the sides too, where they meet the top: a half spacing of each.
+        force = 1000.0 * (1.0 + 4 * 0.125)
+    np.testing.assert_allclose(total(cloud, E), [0.0, 0.0, force], atol=1e-9 * 6000.0)

@@ -1,0 +1,131 @@
+"""Does the code still give a report's rows?  A sample of its cases is run again and compared.
+
+``python -m studies.engine.carry stability --cases 12`` takes cases over the whole list of the
+study, runs them, and compares every value with what is kept in ``reports/stability/partial``, but
+for times.  Where all agree, ``run.json`` says that the report holds for the sources as they are,
+and by how many cases.  A change of the solvers that alters no row, a clearer message or a refusal,
+so needs no run of hours.  One value that differs leaves the report as it is: older than the code.
+"""
+
+from __future__ import annotations
+
+import argparse
+import datetime
+import importlib
+import json
+import math
+import re
+import sys
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import Any
+
+from sphsolid.errors import InputError, require
+from studies.engine.case import Case, Outcome, Row, execute, load, partial_path, write_atomically
+from studies.engine.provenance import commit
+from studies.engine.study import Study, parse
+
+#: Values that agree to this share are the same: tables have ten digits.
+SAME = 1.0e-9
+#: Columns that are times of this machine.
+_TIMES = re.compile(r"(^|_)(wall|cpu|seconds|ns)(_|$)|step_s$|evaluation_s$|set_up_s$")
+#: Cases that took longer are left out [s].
+LONGEST = 60.0
+
+
+def kept_outcomes(folder: Path) -> dict[str, Outcome]:
+    """What is kept of earlier runs, by the readable part of the file's name; the newest counts."""
+    found: dict[str, Outcome] = {}
+    for path in sorted(folder.glob("*.json"), key=lambda each: each.stat().st_mtime):
+        outcome = load(path)
+        if outcome is not None:
+            found[path.stem.rpartition("-")[0]] = outcome
+    return found
+
+
+def sample(
+    cases: Sequence[Case], kept: dict[str, Outcome], count: int, longest: float = LONGEST
+) -> list[tuple[Case, Outcome]]:
+    """``count`` of the cases that are kept and short, evenly over the list."""
+    known = []
+    for case in cases:
+        outcome = kept.get(partial_path(Path(), case).stem.rpartition("-")[0])
+        if outcome is not None and not outcome.failed and outcome.wall_s <= longest:
+            known.append((case, outcome))
+    step = max(1.0, len(known) / count)
+    return [known[int(k * step)] for k in range(min(count, len(known)))]
+
+
+def differences(before: Sequence[Row], now: Sequence[Row]) -> Iterator[str]:
+    """Where rows differ, in words; times are not compared."""
+    if len(before) != len(now):
+        yield f"{len(now)} rows, {len(before)} before"
+        return
+    for k, (old, new) in enumerate(zip(before, now, strict=True)):
+        for name in sorted(old.keys() | new.keys()):
+            if not _TIMES.search(name) and not _same(old.get(name), new.get(name)):
+                yield f"row {k + 1}, {name}: {new.get(name)!r}, before {old.get(name)!r}"
+
+
+def _same(a: Any, b: Any) -> bool:
+    if isinstance(a, list) and isinstance(b, list):
+        return len(a) == len(b) and all(map(_same, a, b))
+    if isinstance(a, float | int) and isinstance(b, float | int):
+        both_nan = math.isnan(a) and math.isnan(b)
+        return both_nan or math.isclose(a, b, rel_tol=SAME, abs_tol=1.0e-12)
+    return bool(a == b)
+
+
+def carry(study: Study, *, cases: int, longest: float = LONGEST) -> list[str]:
+    """Run a sample of a full report's cases; stamp the report, or say what differs.
+
+    Raises ``InputError`` where nothing of the report's cases is kept.
+    """
+    options = parse(study, [])
+    kept = kept_outcomes(options.out / "partial")
+    chosen = sample(study.cases(options), kept, cases, longest)
+    require(len(chosen) > 0, f"{options.out}: no case of the report is kept to compare with")
+    differ = []
+    for case, before in chosen:
+        now = execute(case)
+        words = [now.message] if now.failed else list(differences(before.rows, now.rows))
+        print(f"{'differs' if words else 'same':8} {case.key}", flush=True)
+        differ += [f"{case.key}: {each}" for each in words]
+    if not differ:
+        path = options.out / "run.json"
+        run = json.loads(path.read_text(encoding="utf-8"))
+        run["study_hash"] = study.sources
+        run["carried"] = {
+            "cases": len(chosen),
+            "commit": commit(),
+            "date_utc": datetime.datetime.now(datetime.UTC).strftime("%Y-%m-%d %H:%M:%S"),
+        }
+        write_atomically(path, json.dumps(run, indent=2) + "\n")
+    return differ
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """The command line: 0 where all rows are the same, 1 where not, 2 for wrong input."""
+    parser = argparse.ArgumentParser(prog="python -m studies.engine.carry", description=__doc__)
+    parser.add_argument("study", nargs="+")
+    parser.add_argument("--cases", type=int, default=12, help="how many (default %(default)s)")
+    parser.add_argument("--longest", type=float, default=LONGEST, help="seconds of a case at most")
+    given = parser.parse_args(argv)
+    code = 0
+    for name in given.study:
+        try:
+            require(given.cases >= 1, f"--cases {given.cases} must be 1 or more")
+            study = importlib.import_module(f"studies.{name}").STUDY
+            differ = carry(study, cases=given.cases, longest=given.longest)
+        except InputError as wrong:
+            print(f"error: {name}: {wrong}", file=sys.stderr)
+            return 2
+        for each in differ[:10]:
+            print(each)
+        print(f"{name}: " + (f"{len(differ)} values differ" if differ else "carried over"))
+        code = max(code, 1 if differ else 0)
+    return code
+
+
+if __name__ == "__main__":
+    sys.exit(main())
