@@ -176,7 +176,7 @@ def test_a_sweep_without_a_scheduler_or_settings_is_refused(tmp_path):
     done = sphsolid(
         "sweep", case, "--set", "spacing=1,-1", "--out", "o", folder=tmp_path
     )
-    assert done.returncode == 0
+    assert (done.returncode, "1 of 2 refused" in done.stdout) == (1, True)
     assert rows(tmp_path / "o")["status"].tolist() == ["complete", "refused"]
 
 

@@ -181,10 +181,12 @@ def energies(sim: sph.Simulation, dt: float, steps: int) -> Array:
 
 
 def test_energy_swings_but_does_not_drift() -> None:
-    sim = build(spinning_block(jitter=0.0), formulation=sph.Displacement(), cfl=1.2)
-    E = energies(sim, sim.stable_time_step(), 300)
-    assert np.ptp(E) < 0.005 * E.mean()
-    assert abs(E[-100:].mean() - E[:100].mean()) < 5e-4 * E.mean()
+    # Near the limit of stability single modes of this lattice, which nothing damps, resonate with
+    # the step, and the energy swings slowly by a per cent: whatever the step is, half of it does.
+    sim = build(spinning_block(jitter=0.0), formulation=sph.Displacement(), cfl=0.6)
+    E = energies(sim, sim.stable_time_step(), 600)
+    assert np.ptp(E) < 2e-4 * E.mean()
+    assert abs(E[-200:].mean() - E[:200].mean()) < 1e-5 * E.mean()
 
 
 @pytest.mark.parametrize("formulation", [sph.Displacement(), sph.PFHJ()], ids=lambda f: f.name)
