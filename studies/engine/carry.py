@@ -5,7 +5,7 @@ study, runs them, and compares every value with what is kept in ``reports/stabil
 for times.  Where all agree, ``run.json`` says that the report holds for the sources as they are,
 and by how many cases.  A change of the solvers that alters no row, a clearer message or a refusal,
 so needs no run of hours.  One value that differs leaves the report as it is: older than the code.
-A sample is evidence, no proof: six cases of one report agreed where seven of thirty did not.
+A sample is evidence, no proof, and a small one is little evidence.
 """
 
 from __future__ import annotations
