@@ -6,6 +6,10 @@ for times.  Where all agree, ``run.json`` says that the report holds for the sou
 and by how many cases.  A change of the solvers that alters no row, a clearer message or a refusal,
 so needs no run of hours.  One value that differs leaves the report as it is: older than the code.
 A sample is evidence, no proof, and a small one is little evidence.
+
+With ``--sequences`` one case of every sequence is run; the cases of a sequence differ in the spacing
+alone.  Where it agrees, the sequence is kept for ``--resume``; the others run again there.
+``run.json`` then counts the cases that were kept in this way.
 """
 
 from __future__ import annotations
@@ -18,11 +22,21 @@ import math
 import re
 import sys
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 from sphsolid.errors import InputError, require
-from studies.engine.case import Case, Outcome, Row, execute, load, partial_path, write_atomically
+from studies.engine.case import (
+    Case,
+    Outcome,
+    Row,
+    execute,
+    load,
+    partial_path,
+    store,
+    write_atomically,
+)
 from studies.engine.provenance import commit
 from studies.engine.study import Study, parse
 
@@ -35,12 +49,12 @@ LONGEST = 60.0
 
 
 def kept_outcomes(folder: Path) -> dict[str, Outcome]:
-    """What is kept of earlier runs, by the readable part of the file's name; the newest counts."""
+    """What is kept of earlier runs, by the key of the case; the newest counts."""
     found: dict[str, Outcome] = {}
     for path in sorted(folder.glob("*.json"), key=lambda each: each.stat().st_mtime):
         outcome = load(path)
         if outcome is not None:
-            found[path.stem.rpartition("-")[0]] = outcome
+            found[outcome.key] = outcome
     return found
 
 
@@ -50,11 +64,53 @@ def sample(
     """``count`` of the cases that are kept and short, evenly over the list."""
     known = []
     for case in cases:
-        outcome = kept.get(partial_path(Path(), case).stem.rpartition("-")[0])
+        outcome = kept.get(case.key)
         if outcome is not None and not outcome.failed and outcome.wall_s <= longest:
             known.append((case, outcome))
     step = max(1.0, len(known) / count)
     return [known[int(k * step)] for k in range(min(count, len(known)))]
+
+
+def sequence_of(case: Case) -> str:
+    """The key without the spacing: what it is a refinement of."""
+    return re.sub(r"\s*\b1/\d+\b", "", case.key)
+
+
+def keep_sequences(study: Study, *, longest: float = LONGEST) -> tuple[int, list[str]]:
+    """Keep every sequence of which the finest case of at most ``longest`` s gives the same rows.
+
+    Returns how many cases are kept, and in words what differs.  A sequence without such a case is
+    left for ``--resume``, as one that differs is.
+    """
+    options = parse(study, [])
+    folder = options.out / "partial"
+    kept = kept_outcomes(folder)
+    sequences: dict[str, list[Case]] = {}
+    for case in study.cases(options):
+        if case.key in kept:
+            sequences.setdefault(sequence_of(case), []).append(case)
+    count, differ = 0, []
+    for name, cases in sequences.items():
+        short = [each for each in cases if 0.0 < kept[each.key].wall_s <= longest]
+        if not short or all(partial_path(folder, each).exists() for each in cases):
+            continue
+        chosen = max(short, key=lambda each: kept[each.key].wall_s)
+        before, now = kept[chosen.key], execute(chosen)
+        words = list(differences(before.rows, now.rows))
+        if (before.failed, before.message) != (now.failed, now.message):
+            words.append(now.message or "ends now")
+        print(f"{'differs' if words else 'same':8} {name}: {len(cases)} cases", flush=True)
+        differ += [f"{chosen.key}: {each}" for each in words]
+        if not words or now.diverged or not now.failed:
+            store(partial_path(folder, chosen), now)
+        if not words:
+            for each in cases:
+                if each is not chosen:
+                    store(
+                        partial_path(folder, each), replace(kept[each.key], sampled=True)
+                    )
+                    count += 1
+    return count, differ
 
 
 def differences(before: Sequence[Row], now: Sequence[Row]) -> Iterator[str]:
@@ -110,6 +166,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     parser = argparse.ArgumentParser(prog="python -m studies.engine.carry", description=__doc__)
     parser.add_argument("study", nargs="+")
     parser.add_argument("--cases", type=int, default=30, help="how many (default %(default)s)")
+    parser.add_argument("--sequences", action="store_true", help="one case of every sequence")
     parser.add_argument("--longest", type=float, default=LONGEST, help="seconds of a case at most")
     given = parser.parse_args(argv)
     code = 0
@@ -117,13 +174,17 @@ def main(argv: Sequence[str] | None = None) -> int:
         try:
             require(given.cases >= 1, f"--cases {given.cases} must be 1 or more")
             study = importlib.import_module(f"studies.{name}").STUDY
-            differ = carry(study, cases=given.cases, longest=given.longest)
+            if given.sequences:
+                count, differ = keep_sequences(study, longest=given.longest)
+                print(f"{name}: {count} cases are kept; the rest runs with --resume")
+            else:
+                differ = carry(study, cases=given.cases, longest=given.longest)
         except InputError as wrong:
             print(f"error: {name}: {wrong}", file=sys.stderr)
             return 2
         for each in differ[:10]:
             print(each)
-        print(f"{name}: " + (f"{len(differ)} values differ" if differ else "carried over"))
+        print(f"{name}: " + (f"{len(differ)} values differ" if differ else "all the same"))
         code = max(code, 1 if differ else 0)
     return code
 

@@ -61,7 +61,8 @@ class Outcome:
     """What became of a case: its rows, or in ``failure`` the kind of error and its message.
 
     ``diverged`` is True where the solution itself diverged: a result, the same every time.  Any
-    other failure may be the machine's, so ``--resume`` tries it again.
+    other failure may be the machine's, so ``--resume`` tries it again.  ``sampled``: the rows are
+    of older sources, and another case of its sequence gave the same rows since.
     """
 
     key: str
@@ -70,6 +71,7 @@ class Outcome:
     failure: str = ""
     message: str = ""
     diverged: bool = False
+    sampled: bool = False
 
     @property
     def failed(self) -> bool:

@@ -41,6 +41,7 @@ def describe_run(
     cases: int,
     failed: int,
     resumed: int,
+    sampled: int,
 ) -> dict[str, Any]:
     """What ``run.json`` holds; names no folder of the machine it was made on."""
     return {
@@ -52,6 +53,7 @@ def describe_run(
         "cases": cases,
         "cases_failed": failed,
         "cases_resumed": resumed,
+        "cases_sampled": sampled,
         "version": package_version(),
         "commit": commit(),
         "sources_modified": bool(

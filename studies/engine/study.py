@@ -201,6 +201,7 @@ def _run(study: Study, options: argparse.Namespace, given: Sequence[str]) -> Non
         cases=len(cases),
         failed=sum(outcome.failed for outcome in ordered),
         resumed=resumed,
+        sampled=sum(outcome.sampled for outcome in ordered),
     ) | {"tables": tables}
     write_atomically(options.out / "run.json", json.dumps(run, indent=2) + "\n")
 

@@ -192,11 +192,17 @@ def _run(run: Mapping[str, Any]) -> list[Block]:
     commit = run["commit"] or "not known (no checkout)"
     if run["sources_modified"]:
         commit += ", with changes not committed"
+    cases = f"{run['cases']} ({run['cases_failed']} failed, {run['cases_resumed']} resumed)"
+    if run.get("cases_sampled"):
+        cases += (
+            f"; {run['cases_sampled']} are of older sources, kept because another case of the same "
+            "sequence gave the same rows"
+        )
     facts = {
         "command": run["command"],
         "date (UTC)": run["date_utc"],
         "wall time": duration(run["wall_s"]),
-        "cases": f"{run['cases']} ({run['cases_failed']} failed, {run['cases_resumed']} resumed)",
+        "cases": cases,
         "version": run["version"],
         "commit": commit,
         "hash of the sources": run["source_hash"],

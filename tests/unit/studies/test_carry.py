@@ -9,8 +9,15 @@ import pytest
 
 from sphsolid.errors import InputError
 from studies.engine import carry as module
-from studies.engine.carry import carry, differences, kept_outcomes, sample
-from studies.engine.case import Case, Outcome, execute, partial_path, store
+from studies.engine.carry import (
+    carry,
+    differences,
+    keep_sequences,
+    kept_outcomes,
+    sample,
+    sequence_of,
+)
+from studies.engine.case import Case, Outcome, execute, load, partial_path, store
 from tests.unit.studies.fake_study import Law, power_law, study_of
 
 
@@ -81,3 +88,49 @@ def test_a_sample_is_of_the_whole_list_without_the_long_ones(tmp_path):
         store(partial_path(tmp_path, case), Outcome(case.key, wall, [{"x": 1.0}]))
     chosen = sample(listed, kept_outcomes(tmp_path), 5)
     assert [case.key for case, _ in chosen] == [listed[0].key, listed[2].key]
+
+
+def by_older_sources(folder, change):
+    """Give the kept cases the names that other sources would have given, and change some rows."""
+    for path in folder.glob("*.json"):
+        kept = json.loads(path.read_text())
+        change(kept)
+        path.with_name(f"{path.stem.rpartition('-')[0]}-0123456789abcdef.json").write_text(
+            json.dumps(kept)
+        )
+        path.unlink()
+
+
+def test_one_case_of_a_sequence_keeps_it_for_resume(tmp_path, monkeypatch):
+    listed = [
+        Case(f"order {order:g} 1/{n}", power_law, {"h": 1.0 / n, "law": Law(order)})
+        for order in (1.0, 2.0)
+        for n in (2, 4, 8)
+    ]
+    study = study_of(listed, tmp_path)
+    monkeypatch.setattr(
+        module, "parse", lambda study, given: type("Options", (), {"out": tmp_path})()
+    )
+    folder = tmp_path / "partial"
+    for case in listed:
+        store(partial_path(folder, case), execute(case))
+
+    def change(kept):
+        if kept["key"].startswith("order 2"):
+            kept["rows"][0]["error"] *= 1.0 + 1e-7
+
+    by_older_sources(folder, change)
+    count, differ = keep_sequences(study)
+    assert count == 2  # and the one that was run
+    assert [each.split(",")[0].split(" 1/")[0] for each in differ] == ["order 2"]
+    found = [load(partial_path(folder, case)) for case in listed]
+    assert [outcome is not None for outcome in found[:3]] == [True] * 3
+    assert sum(outcome.sampled for outcome in found[:3]) == 2
+    # The one of the other sequence that was run holds; the rest is left for --resume.
+    assert sum(outcome is not None for outcome in found[3:]) == 1
+
+
+def test_a_sequence_is_the_key_without_the_spacing():
+    assert sequence_of(Case("column nu 0.3 B-bar 1/16 reference", power_law)) == (
+        "column nu 0.3 B-bar reference"
+    )
