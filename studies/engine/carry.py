@@ -7,8 +7,9 @@ and by how many cases.  A change of the solvers that alters no row, a clearer me
 so needs no run of hours.  One value that differs leaves the report as it is: older than the code.
 A sample is evidence, no proof, and a small one is little evidence.
 
-With ``--sequences`` one case of every sequence is run; its cases differ in the spacing it agrees, the sequence is kept for ``--resume``; the others run again there.  ``run.json`` then
-counts the cases that were kept in this way.
+With ``--sequences`` one case of every sequence is run; its cases differ in the spacing alone.
+Where it agrees, the sequence is kept for ``--resume``; the others run again there.  ``run.json``
+then counts the cases that were kept in this way.
 """
 
 from __future__ import annotations
