@@ -34,7 +34,7 @@ class FieldLook:
 
 
 _POINTS = {
-    "pressure": FieldLook("pressure", "Pa", "RdBu_r", 0.0, diverging=True),
+    "pressure": FieldLook("pressure,\ntension +", "Pa", "RdBu_r", 0.0, diverging=True),
     "von_mises": FieldLook("von Mises\nstress", "Pa", "viridis", 0.0, diverging=False),
     "J": FieldLook("volume\nratio J", "", "PuOr_r", 1.0, diverging=True),
 }
