@@ -55,7 +55,10 @@ LINES = (
     Line(SUPG.name, SUPG.name, MIXED[PF].name, SUPG.name),
     Line("paper", convergence.PAPER.name, papers(NU)[0].name, PAPER_COLUMN.name),
     Line("paper, operator as printed", convergence.LITERAL.name),
-    Line("displacement SPH", convergence.CLASSICAL.name, DISPLACEMENT.name, DISPLACEMENT.name),
+    Line(
+        "displacement SPH (slopes: TVD-RK2)",
+        convergence.CLASSICAL.name, DISPLACEMENT.name, DISPLACEMENT.name,
+    ),
     Line(B_BAR.name, B_BAR.name, B_BAR.name, B_BAR.name),
     Line(TAYLOR_HOOD.name, "", TAYLOR_HOOD.name),
 )  # fmt: skip

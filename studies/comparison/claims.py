@@ -167,7 +167,7 @@ def _of_agreement(columns: pd.DataFrame) -> Iterator[Claim]:
     spread = (max(finest.values()) - min(finest.values())) / middle
     yield Claim(
         "twist of the column at 0.1 s on the finest meshes, largest less smallest", spread, "<=",
-        AGREE, where=COMMAND, said=f"{100.0 * spread:.1f}%: {listed} rad",
+        AGREE, where=COMMAND, said=f"{100.0 * spread:.1f}%: {listed} rad", format=".0%",
     )  # fmt: skip
     limits = {name: abs(each.limit_error) for name, each in found.items()}
     listed = ", ".join(
@@ -176,6 +176,7 @@ def _of_agreement(columns: pd.DataFrame) -> Iterator[Claim]:
     )
     yield Claim(
         f"limit of that twist against {OUTSIDE}", limits, "<=", LIMIT, where=COMMAND, said=listed,
+        format=".0%",
     )  # fmt: skip
 
 

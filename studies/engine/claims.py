@@ -84,7 +84,8 @@ class Claim:
     def counted(cls, what: str, hold: int, of: int, **more: object) -> Claim:
         """``hold`` of ``of`` runs do: all, some or none; nothing was examined where ``of`` is 0."""
         names = {str(number): float(number < hold) for number in range(of)}
-        return cls(what, names, ">=", 1.0, **({"said": f"{hold} of {of}"} | more))  # type: ignore[arg-type]
+        words = {"said": f"{hold} of {of}", "wanted": "all"} | more
+        return cls(what, names, ">=", 1.0, **words)  # type: ignore[arg-type]
 
     @classmethod
     def graded(cls, what: str, *, whole: bool, part: bool, **more: object) -> Claim:
@@ -94,7 +95,7 @@ class Claim:
 
     def holds(self) -> dict[str, bool]:
         """Which parts of the claim hold, by name."""
-        return {name: self._compare(name, value) for name, value in self._parts().items()}
+        return {name: self._is_sound(name) and self._meets(name) for name in self._parts()}
 
     @property
     def verdict(self) -> str:
@@ -118,6 +119,10 @@ class Claim:
             text = self._number(parts[""])
         elif not text:
             text = ", ".join(f"{name} {self._number(value)}" for name, value in parts.items())
+        if "folded" not in text:
+            hidden = [name for name in parts if not self._is_sound(name) and self._meets(name)]
+            names = ", ".join(filter(None, hidden))
+            text += f"; folded or diverged{f': {names}' if names else ''}" if hidden else ""
         return f"{text}; {self.incomplete}" if self.incomplete else text
 
     @property
@@ -139,9 +144,13 @@ class Claim:
     def _parts(self) -> Mapping[str, float]:
         return self.measured if isinstance(self.measured, Mapping) else {"": self.measured}
 
-    def _compare(self, name: str, value: float) -> bool:
-        sound = self.sound if isinstance(self.sound, bool) else self.sound[name]
-        if not sound or math.isnan(value):
+    def _is_sound(self, name: str) -> bool:
+        return self.sound if isinstance(self.sound, bool) else self.sound[name]
+
+    def _meets(self, name: str) -> bool:
+        """By the number alone, whether or not the run can show it."""
+        value = self._parts()[name]
+        if math.isnan(value) or self.comparison == "reported":
             return False
         if isinstance(self.asked, tuple):
             return self.asked[0] <= value <= self.asked[1]

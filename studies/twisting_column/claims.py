@@ -300,9 +300,9 @@ def _budgets(table: pd.DataFrame) -> Iterator[Claim]:
         if len(steps) > 1:
             slopes = np.diff(np.log(steps)) / np.diff(np.log(steps.index))
             yield Claim(
-                "order of |residual| in the step, tau in seconds kept", float(slopes.min()), ">=",
-                BUDGET_ORDER, where=f"{method}, {lattice(3)}", format=".2f",
-                said=", ".join(f"{slope:.2f}" for slope in slopes),
+                "order of |residual| in the step, intrinsic times (if any) kept",
+                float(slopes.min()), ">=", BUDGET_ORDER, where=f"{method}, {lattice(3)}",
+                format=".2f", said=", ".join(f"{slope:.2f}" for slope in slopes),
             )  # fmt: skip
 
 
