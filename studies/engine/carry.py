@@ -8,8 +8,9 @@ so needs no run of hours.  One value that differs leaves the report as it is: ol
 A sample is evidence, no proof, and a small one is little evidence.
 
 With ``--sequences`` one case of every sequence is run; its cases differ in the spacing alone.
-Where it agrees, the sequence is kept for ``--resume``; the others run again there.  ``run.json``
-then counts the cases that were kept in this way.
+Where it agrees, the sequence is kept for ``--resume``; the others run again there, or at once with
+``--keep-times``.  These get the times that were measured before.  So ratios of times stay those of
+one session, which is right where a change made no step dearer.  ``run.json`` counts both.
 """
 
 from __future__ import annotations
@@ -43,7 +44,9 @@ from studies.engine.study import Study, parse
 #: Values that agree to this share are the same: tables have ten digits.
 SAME = 1.0e-9
 #: Columns that are times of this machine.
-_TIMES = re.compile(r"(^|_)(wall|cpu|seconds|ns)(_|$)|step_s$|evaluation_s$|set_up_s$")
+_TIMES = re.compile(
+    r"(^|_)(wall|cpu|seconds|ns)(_|$)|step_s$|evaluation_s$|set_up_s$|^window_steps$|^repeats$"
+)
 #: Cases that took longer are left out [s].
 LONGEST = 60.0
 
@@ -76,23 +79,25 @@ def sequence_of(case: Case) -> str:
     return re.sub(r"\s*\b1/\d+\b", "", case.key)
 
 
-def keep_sequences(study: Study, *, longest: float = LONGEST) -> tuple[int, list[str]]:
+def keep_sequences(
+    study: Study, *, longest: float = LONGEST, keep_times: bool = False
+) -> tuple[int, list[str]]:
     """Keep every sequence of which the finest case of at most ``longest`` s gives the same rows.
 
-    Returns how many cases are kept, and in words what differs.  A sequence without such a case is
-    left for ``--resume``, as one that differs is.
+    Returns how many cases are kept, and in words what differs.  A sequence that differs runs again
+    where ``keep_times``.  Else it is left for ``--resume``, as one without a short case is.
     """
     options = parse(study, [])
     folder = options.out / "partial"
     kept = kept_outcomes(folder)
     sequences: dict[str, list[Case]] = {}
     for case in study.cases(options):
-        if case.key in kept:
+        if case.key in kept and not partial_path(folder, case).exists():
             sequences.setdefault(sequence_of(case), []).append(case)
     count, differ = 0, []
     for name, cases in sequences.items():
         short = [each for each in cases if 0.0 < kept[each.key].wall_s <= longest]
-        if not short or all(partial_path(folder, each).exists() for each in cases):
+        if not short:
             continue
         chosen = max(short, key=lambda each: kept[each.key].wall_s)
         before, now = kept[chosen.key], execute(chosen)
@@ -101,16 +106,26 @@ def keep_sequences(study: Study, *, longest: float = LONGEST) -> tuple[int, list
             words.append(now.message or "ends now")
         print(f"{'differs' if words else 'same':8} {name}: {len(cases)} cases", flush=True)
         differ += [f"{chosen.key}: {each}" for each in words]
-        if not words or now.diverged or not now.failed:
-            store(partial_path(folder, chosen), now)
-        if not words:
-            for each in cases:
-                if each is not chosen:
-                    store(
-                        partial_path(folder, each), replace(kept[each.key], sampled=True)
-                    )
-                    count += 1
+        for each in cases:
+            old = kept[each.key]
+            if not words:
+                store(partial_path(folder, each), replace(old, sampled=each is not chosen))
+                count += 1
+            elif keep_times:
+                again = now if each is chosen else execute(each)
+                rows = with_times_of(old.rows, again.rows)
+                store(partial_path(folder, each), replace(again, rows=rows, older_times=True))
     return count, differ
+
+
+def with_times_of(before: Sequence[Row], now: Sequence[Row]) -> list[Row]:
+    """The rows ``now`` with the times of ``before``; as they are where their number differs."""
+    if len(before) != len(now):
+        return list(now)
+    return [
+        {name: old.get(name, value) if _TIMES.search(name) else value for name, value in new.items()}
+        for old, new in zip(before, now, strict=True)
+    ]
 
 
 def differences(before: Sequence[Row], now: Sequence[Row]) -> Iterator[str]:
@@ -167,6 +182,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     parser.add_argument("study", nargs="+")
     parser.add_argument("--cases", type=int, default=30, help="how many (default %(default)s)")
     parser.add_argument("--sequences", action="store_true", help="one case of every sequence")
+    parser.add_argument("--keep-times", action="store_true", help="run those that differ at once")
     parser.add_argument("--longest", type=float, default=LONGEST, help="seconds of a case at most")
     given = parser.parse_args(argv)
     code = 0
@@ -175,7 +191,9 @@ def main(argv: Sequence[str] | None = None) -> int:
             require(given.cases >= 1, f"--cases {given.cases} must be 1 or more")
             study = importlib.import_module(f"studies.{name}").STUDY
             if given.sequences:
-                count, differ = keep_sequences(study, longest=given.longest)
+                count, differ = keep_sequences(
+                    study, longest=given.longest, keep_times=given.keep_times
+                )
                 print(f"{name}: {count} cases are kept; the rest runs with --resume")
             else:
                 differ = carry(study, cases=given.cases, longest=given.longest)

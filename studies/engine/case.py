@@ -62,7 +62,8 @@ class Outcome:
 
     ``diverged`` is True where the solution itself diverged: a result, the same every time.  Any
     other failure may be the machine's, so ``--resume`` tries it again.  ``sampled``: the rows are
-    of older sources, and another case of its sequence gave the same rows since.
+    of older sources, and another case of its sequence gave the same rows since.  ``older_times``:
+    the times in the rows are of older sources.
     """
 
     key: str
@@ -72,6 +73,7 @@ class Outcome:
     message: str = ""
     diverged: bool = False
     sampled: bool = False
+    older_times: bool = False
 
     @property
     def failed(self) -> bool:

@@ -42,6 +42,7 @@ def describe_run(
     failed: int,
     resumed: int,
     sampled: int,
+    older_times: int,
 ) -> dict[str, Any]:
     """What ``run.json`` holds; names no folder of the machine it was made on."""
     return {
@@ -54,6 +55,7 @@ def describe_run(
         "cases_failed": failed,
         "cases_resumed": resumed,
         "cases_sampled": sampled,
+        "cases_with_older_times": older_times,
         "version": package_version(),
         "commit": commit(),
         "sources_modified": bool(

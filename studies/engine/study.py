@@ -202,6 +202,7 @@ def _run(study: Study, options: argparse.Namespace, given: Sequence[str]) -> Non
         failed=sum(outcome.failed for outcome in ordered),
         resumed=resumed,
         sampled=sum(outcome.sampled for outcome in ordered),
+        older_times=sum(outcome.older_times for outcome in ordered),
     ) | {"tables": tables}
     write_atomically(options.out / "run.json", json.dumps(run, indent=2) + "\n")
 

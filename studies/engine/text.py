@@ -198,6 +198,11 @@ def _run(run: Mapping[str, Any]) -> list[Block]:
             f"; {run['cases_sampled']} are of older sources, kept because another case of the same "
             "sequence gave the same rows"
         )
+    if run.get("cases_with_older_times"):
+        cases += (
+            f"; {run['cases_with_older_times']} were run again and have the times of a step that "
+            "were measured before, in one session with the others"
+        )
     facts = {
         "command": run["command"],
         "date (UTC)": run["date_utc"],

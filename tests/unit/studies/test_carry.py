@@ -16,6 +16,7 @@ from studies.engine.carry import (
     kept_outcomes,
     sample,
     sequence_of,
+    with_times_of,
 )
 from studies.engine.case import Case, Outcome, execute, load, partial_path, store
 from tests.unit.studies.fake_study import Law, power_law, study_of
@@ -121,13 +122,25 @@ def test_one_case_of_a_sequence_keeps_it_for_resume(tmp_path, monkeypatch):
 
     by_older_sources(folder, change)
     count, differ = keep_sequences(study)
-    assert count == 2  # and the one that was run
+    assert count == 3
     assert [each.split(",")[0].split(" 1/")[0] for each in differ] == ["order 2"]
     found = [load(partial_path(folder, case)) for case in listed]
     assert [outcome is not None for outcome in found[:3]] == [True] * 3
     assert sum(outcome.sampled for outcome in found[:3]) == 2
-    # The one of the other sequence that was run holds; the rest is left for --resume.
-    assert sum(outcome is not None for outcome in found[3:]) == 1
+    # The other sequence is left for --resume.
+    assert found[3:] == [None] * 3
+    # Or it runs again at once, and has the times that were measured before.
+    keep_sequences(study, keep_times=True)
+    found = [load(partial_path(folder, case)) for case in listed[3:]]
+    assert all(outcome.older_times for outcome in found)
+
+
+def test_times_of_before_stay_with_the_rows_of_now():
+    old = [{"step_cpu_s": 1.0, "window_steps": 3, "steps": 10, "error": 0.1}]
+    new = [{"step_cpu_s": 2.0, "window_steps": 4, "steps": 11, "error": 0.2}]
+    [row] = with_times_of(old, new)
+    assert row == {"step_cpu_s": 1.0, "window_steps": 3, "steps": 11, "error": 0.2}
+    assert with_times_of([], new) == new
 
 
 def test_a_sequence_is_the_key_without_the_spacing():

@@ -38,6 +38,7 @@ def results(tmp_path):
     run = describe_run(
         study="fake", command="python -m fake", sources="ab", argv=[], mode="quick", jobs=3,
         threads=1, cluster=True, wall_s=65.0, cases=3, failed=1, sampled=0,
+        older_times=0,
         resumed=2,
     )  # fmt: skip
     tables = {"table": pd.DataFrame({"name": ["a", "b"], "value": [0.12345, 2.0]})}
