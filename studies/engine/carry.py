@@ -123,7 +123,7 @@ def with_times_of(before: Sequence[Row], now: Sequence[Row]) -> list[Row]:
     if len(before) != len(now):
         return list(now)
     return [
-        {name: old.get(name, value) if _TIMES.search(name) else value for name, value in new.items()}
+        new | {name: old[name] for name in new if name in old and _TIMES.search(name)}
         for old, new in zip(before, now, strict=True)
     ]
 
