@@ -75,8 +75,8 @@ def sample(
 
 
 def sequence_of(case: Case) -> str:
-    """The key without the spacing: what it is a refinement of."""
-    return re.sub(r"\s*\b1/\d+\b", "", case.key)
+    """The key without the spacing, or the number at its end: what it is a refinement of."""
+    return re.sub(r"\s*\b1/\d+\b|, \d+$", "", case.key)
 
 
 def keep_sequences(

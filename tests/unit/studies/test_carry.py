@@ -147,3 +147,4 @@ def test_a_sequence_is_the_key_without_the_spacing():
     assert sequence_of(Case("column nu 0.3 B-bar 1/16 reference", power_law)) == (
         "column nu 0.3 B-bar reference"
     )
+    assert sequence_of(Case("CalculiX, column, nu 0.3, 4", power_law)) == "CalculiX, column, nu 0.3"
