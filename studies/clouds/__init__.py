@@ -50,7 +50,9 @@ OPERATORS: dict[str, Method] = {
     "SummationByParts": SUPG.but(operator=BY_PARTS),
 }
 #: Poisson's ratios at which the package default is run, by the name that the tables have for it.
-DEFAULTS = {PACKAGE.name: 0.3, f"{PACKAGE.name}, nu 0.495": 0.495}
+#: Near incompressibility the wave begins moving: see the report.
+MOVING = f"{PACKAGE.name}, nu 0.495, moving start"
+DEFAULTS = {PACKAGE.name: 0.3, MOVING: 0.495}
 #: All of them, by that name.
 METHODS: dict[str, Method] = OPERATORS | {
     name: PACKAGE if nu == 0.3 else PACKAGE.but(name=name, line="--", marker="D")
@@ -145,7 +147,8 @@ def _cube(
         cube,
         {"cloud": cloud, "level": level, "settings": list(settings), "variant": variant,
          "method": METHODS[operator].but(**VARIANTS.get(variant, {})),
-         "label": operator if operator in DEFAULTS else "", "poisson_ratio": nu},
+         "label": operator if operator in DEFAULTS else "", "poisson_ratio": nu,
+         "moving": operator == MOVING},
         cost=(steps * len(settings) * cells**4 / 16 + _SET_UP.get(operator, 6.0) * cells**3.5)
         / 16**3,
     )  # fmt: skip
@@ -365,7 +368,7 @@ def _of_the_default(plain: pd.DataFrame) -> Iterator[Claim]:
                 slopes = {row["scene"]: float(row[f"slope_{field}"]) for row in last}
                 if not slopes or all(map(math.isnan, slopes.values())):
                     continue
-                what = f"{_FIELDS[f'error_{field}']} slope of the {PACKAGE.name}, nu {nu:g}"
+                what = f"{_FIELDS[f'error_{field}']} slope of the {_said(name, nu)}"
                 if math.isnan(goal):
                     yield Claim(what, slopes, ">=", asked, where=cloud, format=".2f")
                     continue
@@ -377,10 +380,14 @@ def _of_the_default(plain: pd.DataFrame) -> Iterator[Claim]:
         for row in at.to_dict("records"):
             for (column, word), asked in zip(_FIELDS.items(), DEFAULT_ERRORS[nu], strict=True):
                 yield Claim(
-                    f"largest error of {word} of the {PACKAGE.name}, nu {nu:g}, linear limit",
+                    f"largest error of {word} of the {_said(name, nu)}, linear limit",
                     float(row[column]), "<=", asked, format=".2e",
                     where=f"jitter 0.4, {row['particles']:.0f} particles",
                 )  # fmt: skip
+
+
+def _said(name: str, nu: float) -> str:
+    return name if "nu" in name else f"{name}, nu {nu:g}"
 
 
 def _last(runs: pd.DataFrame) -> Iterator[tuple[str, Mapping[str, Any]]]:

@@ -94,11 +94,12 @@ def about_the_set_up(sim: sph.Simulation) -> Row:
 
 def cube(
     *, cloud: str, level: int, method: Method, settings: Sequence[Setting], variant: str = "",
-    label: str = "", poisson_ratio: float = 0.3,
+    label: str = "", poisson_ratio: float = 0.3, moving: bool = False,
 ) -> list[Row]:  # fmt: skip
     """Rows of every setting: the set-up once, then twelve errors each.
 
     ``label`` stands in the column ``operator`` where that of the operator does not say the method.
+    ``moving``: the wave begins moving, not displaced.
 
     Twelve more with the stress recovered (``Recovery()``), as a variant of their own.  A run that
     diverged or folded has one row that says so.
@@ -107,7 +108,10 @@ def cube(
     rows: list[Row] = []
     for scene, family, formulation in settings:
         sim = method.but(formulation=formulation).simulation(
-            cube_on(instance, scene=scene, family=family, poisson_ratio=poisson_ratio),
+            cube_on(
+                instance, scene=f"{scene}, moving start" if moving else scene, family=family,
+                poisson_ratio=poisson_ratio,
+            ),
             spacing=instance.spacing,
         )
         common = {

@@ -353,7 +353,7 @@ def test_the_default_is_known_by_its_name_and_not_by_its_operator() -> None:
     case = next(c for c in clouds.cases(_options("--quick")) if "nu 0.495" in c.key)
     (setting, *_) = case.arguments["settings"]
     rows = cube(**(case.arguments | {"settings": [setting], "cloud": "jitter:0.4", "level": 3}))
-    assert {row["operator"] for row in rows} == {"package default, nu 0.495"}
+    assert {row["operator"] for row in rows} == {clouds.MOVING}
     assert {row["formulation"] for row in rows if row["kind"] == "error"} == {"displacement"}
 
 
