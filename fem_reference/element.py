@@ -50,6 +50,12 @@ def first_invalid(smallest_J: Array, shrinkage: Array) -> int:
     return -1 if stretch[thin] > THINNEST else thin
 
 
+def volumetric_energy(elements: Elements, x: Array, at_centres: float) -> float:
+    """``Pi_vol`` [J] of elements that say it, by ``volumetric_energy(x)``; else ``at_centres``."""
+    said = getattr(elements, "volumetric_energy", None)
+    return at_centres if said is None else float(said(x))
+
+
 class Elements(Protocol):
     """Elements of one mesh and material, ready for explicit time steps."""
 

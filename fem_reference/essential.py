@@ -9,7 +9,12 @@ from numpy.typing import NDArray
 
 from fem_reference.updates import keep_free
 from sphsolid.geometry.mesh import Mesh
-from sphsolid.scenes.constraint import Constraint, EssentialPart, essential_parts
+from sphsolid.scenes.constraint import (
+    Constraint,
+    EssentialPart,
+    essential_parts,
+    prescribed_parts,
+)
 
 Array = NDArray[np.float64]
 
@@ -18,13 +23,12 @@ Array = NDArray[np.float64]
 class EssentialConditions:
     """All constraints of a mesh: ``v_a <- (I - Q_a) v_a + Q_a v_prescribed(X_a, t)``.
 
-    ``nodes (n,)`` are the constrained nodes, ``free (n, 3, 3)`` their ``I - Q_a``; ``driven``
-    are the constraints that move, ``parts`` all of them; ``X (N, 3)`` [m].
+    ``nodes (n,)`` are the constrained nodes, ``free (n, 3, 3)`` their ``I - Q_a``; ``parts`` the
+    constraints; ``X (N, 3)`` [m].
     """
 
     nodes: NDArray[np.int64]
     free: Array
-    driven: tuple[EssentialPart, ...]
     parts: tuple[EssentialPart, ...]
     X: Array
 
@@ -38,8 +42,12 @@ class EssentialConditions:
             free[part.particles] -= part.projector
             constrained[part.particles] = True
         nodes = np.flatnonzero(constrained)
-        driven = tuple(part for part in parts if not part.is_fixed)
-        return cls(nodes, free[nodes], driven, tuple(parts), mesh.vertices)
+        return cls(nodes, free[nodes], tuple(parts), mesh.vertices)
+
+    @property
+    def driven(self) -> tuple[EssentialPart, ...]:
+        """Those that move."""
+        return tuple(part for part in self.parts if not part.is_fixed)
 
     @property
     def nbytes(self) -> int:
@@ -51,10 +59,8 @@ class EssentialConditions:
         if len(self.nodes) == 0:
             return
         keep_free(self.nodes, self.free, velocity)
-        for part in self.driven:
-            prescribed = part.prescribed(self.X[part.particles], t)
-            # Projectors of different parts are orthogonal, so their sum is the whole condition.
-            velocity[part.particles] += np.einsum("nij,nj->ni", part.projector, prescribed)
+        for rows, prescribed in prescribed_parts(self.parts, self.X, t):
+            velocity[rows] += prescribed
 
     def by_face(self, reaction: Array) -> dict[str, Array]:
         """Sum over a constrained face of its share of ``reaction (n, 3)`` at ``nodes``."""

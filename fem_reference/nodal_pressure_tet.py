@@ -151,8 +151,12 @@ class NodalPressureElements:
         isochoric_energies(
             self.material, x, self._nodes, self._inverse, self._lane_volumes, energies
         )
+        return float(np.sum(one_by_one(energies, self.count))) + self.volumetric_energy(x)
+
+    def volumetric_energy(self, x: Array) -> float:
+        """``sum_a V_a U(J_a)`` [J]."""
         U = law.volumetric_energy(self.material, self.nodal_jacobians(x))
-        return float(np.sum(one_by_one(energies, self.count)) + np.sum(self._V * U))
+        return float(np.sum(self._V * U))
 
     def stress(self, x: Array) -> CentroidStress:
         """``F_e``, ``J`` the mean of the four nodal ones, and the stress with that ``J``."""

@@ -16,13 +16,13 @@ from skfem import MeshHex, MeshTet
 from fem_reference.b_bar_hex import BBarHex
 from fem_reference.cell_tables import Hexahedra
 from fem_reference.central_difference import Motion, central_difference_step
-from fem_reference.element import Element, check_element
+from fem_reference.element import Element, check_element, volumetric_energy
 from fem_reference.energy_budget import NoBudget, StepBudget
 from fem_reference.essential import EssentialConditions
 from fem_reference.loads import loads_of, nodal_force
 from fem_reference.updates import divide_by_mass
 from sphsolid.compiled import threads
-from sphsolid.continuum import reference_p_wave_speed
+from sphsolid.continuum import law, reference_p_wave_speed
 from sphsolid.continuum.check_law import check_first_use
 from sphsolid.errors import Diverged, require
 from sphsolid.geometry.body import AS_MESHED, AsMeshed, Spacing
@@ -173,6 +173,9 @@ class Simulation(BaseSimulation):
         x, v = self._motion()
         stress, mesh = self._elements.stress(x), self._points
         X, V = read_only(mesh.vertices), read_only(self._volumes)
+        at_centres = float(
+            np.sum(self._elements.volumes * law.volumetric_energy(self.material, stress.J))
+        )
         return Snapshot(
             time=self.time,
             step=self.step,
@@ -188,6 +191,8 @@ class Simulation(BaseSimulation):
             J=stress.J,
             P=stress.P,
             strain_energy=self._elements.strain_energy(x),
+            # What the element stores by its own quadrature, beside that of the values shown.
+            added_volumetric_energy=volumetric_energy(self._elements, x, at_centres) - at_centres,
             budget=self._budget.now(self._reaction_force),
         )
 

@@ -211,10 +211,14 @@ class TaylorHoodElements:
         """``Pi`` [J]."""
         energies = np.empty_like(self._shrinkage)
         isochoric_energies(self.material, x, self._node_lanes, self._maps, energies)
+        return float(np.sum(one_by_one(energies, self.count))) + self.volumetric_energy(x)
+
+    def volumetric_energy(self, x: Array) -> float:
+        """``integral of U(1 + theta)`` [J], by the element's own quadrature."""
         theta = self.dilatation(x)
-        total = float(np.sum(one_by_one(energies, self.count)))
-        total += 0.5 * self._kappa * float(np.sum(self._moments * theta))
+        total = 0.5 * self._kappa * float(np.sum(self._moments * theta))
         if not law.is_quadratic(self.material):
+            energies = np.empty_like(self._shrinkage)
             remainder_energies(
                 self.material, theta, self._node_lanes, self._corner_lanes, self._maps, energies
             )

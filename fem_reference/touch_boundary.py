@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from fem_reference.touch_mesh import Faces
 from sphsolid.geometry.mesh import Mesh
-from sphsolid.scenes.constraint import EssentialPart
+from sphsolid.scenes.constraint import EssentialPart, part_of, prescribed_parts
 from sphsolid.scenes.scene import Scene
 
 Array = NDArray[np.float64]
@@ -29,19 +29,7 @@ class TouchBoundary:
         self._parts: list[EssentialPart] = []
         for constraint in scene.constraints:
             at = faces.numbers(mesh.face(constraint.face))
-            nn = self.N[at, :, None] * self.N[at, None, :]
-            wanted = {
-                "normal": nn,
-                "tangential": np.eye(3) - nn,
-                "all": np.broadcast_to(np.eye(3), nn.shape),
-            }[constraint.direction]
-            free = np.eye(3) - self.Q[at]
-            value, vector = np.linalg.eigh(free @ wanted @ free)
-            kept = vector * (value > 1.0e-8)[:, None, :]
-            projector = kept @ np.swapaxes(kept, 1, 2)
-            self.Q[at] += projector
-            part = EssentialPart(constraint.face, at, projector, constraint.velocity)
-            self._parts.append(part)
+            self._parts.append(part_of(constraint, at, self.N[at], self.Q))
         self._tractions = [
             (traction, faces.numbers(mesh.face(traction.face))) for traction in scene.tractions
         ]
@@ -51,10 +39,8 @@ class TouchBoundary:
     def velocity(self, t: float) -> Array:
         """Prescribed part ``(n, 3)`` [m/s] of the velocities at time ``t`` [s]."""
         v = np.zeros_like(self.X)
-        for part in self._parts:
-            if not part.is_fixed:
-                given = part.prescribed(self.X[part.particles], t)
-                v[part.particles] += np.einsum("nij,nj->ni", part.projector, given)
+        for rows, given in prescribed_parts(self._parts, self.X, t):
+            v[rows] += given
         return v
 
     def traction(self, t: float) -> Array:

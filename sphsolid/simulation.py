@@ -160,14 +160,16 @@ class Simulation(BaseSimulation):
         """What a CFL number counts [m]: the least distance of particles, or less off a lattice.
 
         A lattice's highest frequency is ``2 c_p / h_min``; that of particles with very uneven
-        volumes and distances can be nearly twice as high.  Of the displacement form with a
+        volumes and distances can be nearly twice as high.  That of an operator with a quadrature of
+        its own, such as differences of order four, is higher too.  Of the displacement form with a
         restraint it is ``2 c_p / omega`` with the highest frequency that there is.
         """
         resolved = 2.0 * reference_p_wave_speed(self.material)
-        if is_displacement_form(self.formulation) and is_restraint(self.stabilisation):
+        restrained = any(map(is_restraint, (self.stabilisation, *self.terms)))
+        if is_displacement_form(self.formulation) and restrained:
             omega = displacement_frequency(self._rhs)
             return resolved / omega if omega > 0.0 else self.cloud.h_min
-        if self.cloud.mesh.is_lattice:
+        if self.cloud.mesh.is_lattice and not hasattr(self.operator, "layout"):
             return self.cloud.h_min
         omega = highest_frequency(self._rhs)
         return resolved / omega if omega * self.cloud.h_min > resolved else self.cloud.h_min
@@ -237,7 +239,9 @@ class Simulation(BaseSimulation):
             self.check_state()
             raise
         if not law.is_quadratic(material):
-            F = s.F if len(s.F) else self._rhs.of_geometry(s).F
+            # An F that is not evolved is that of the last evaluation, or of now where somebody
+            # looked: who looks must not change the step.
+            F = s.F if self.formulation.evolves_F else self._rhs.of_geometry(s).F
             J = s.J if self.formulation.evolves_J else determinant(split(F))
             allowed /= float(np.max(law.stiffening(material, J)))
         self._allowed = min(allowed, self._rhs.largest_step(s))

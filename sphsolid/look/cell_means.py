@@ -25,7 +25,7 @@ def in_cells(snapshot: HasFields, name: str) -> PointField:
     found = snapshot.field(name)
     cells = snapshot.mesh.cells
     V, X = cell_volumes_and_centroids(snapshot.mesh)
-    if len(found.X) == len(snapshot.X):
+    if found.is_at(snapshot.X):
         return PointField(X, V, np.asarray(found.values[cells].mean(axis=1)))
     if len(found.X) != len(cells):
         raise InputError(

@@ -34,6 +34,13 @@ class PointField:
     V: Array
     values: Array
 
+    def is_at(self, points: Array) -> bool:
+        """True where the values stand at ``points (n, 3)`` [m] themselves.
+
+        A mesh may have as many cells as vertices, so that numbers alone do not tell.
+        """
+        return np.array_equal(self.X, points)
+
 
 @dataclass(frozen=True)
 class Masses:
@@ -226,7 +233,7 @@ class HasFields(Protocol):
 def at_vertices(snapshot: HasFields, name: str) -> Array:
     """A field at the primary points ``(N, ...)``; cell values are averaged by volume."""
     found = snapshot.field(name)
-    if len(found.X) == len(snapshot.X):
+    if found.is_at(snapshot.X):
         return found.values
     total = np.zeros((len(snapshot.X), *found.values.shape[1:]))
     weight = np.zeros(len(snapshot.X))

@@ -151,9 +151,9 @@ class _Body:
     @classmethod
     def of(cls, snapshot: Snapshot) -> _Body:
         """That of a snapshot."""
-        mesh, N = snapshot.mesh, len(snapshot.X)
+        mesh, X = snapshot.mesh, snapshot.X
         kind = _VTK_HEXAHEDRON if mesh.shape is HEXAHEDRON else _VTK_TETRA
-        inside = {each.name for each in OF_LAW if len(snapshot.field(each.field).X) != N}
+        inside = {each.name for each in OF_LAW if not snapshot.field(each.field).is_at(X)}
         return cls(snapshot.X, mesh.cells, kind, frozenset(inside))
 
     @classmethod

@@ -40,7 +40,7 @@ def write_vtu(snapshot: Snapshot, path: str | Path) -> None:
         raise InputError(f"cannot write {target}: the folder {target.parent} does not exist")
     points = {name: snapshot.field(name).values for name in POINT_FIELDS}
     law = {name: snapshot.field(name).values for name in LAW_FIELDS}
-    at_points = len(snapshot.stress_X) == len(snapshot.X)
+    at_points = snapshot.field(LAW_FIELDS[0]).is_at(snapshot.X)
     if at_points:
         points |= law
     mesh = meshio.Mesh(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
@@ -60,14 +60,21 @@ class EssentialPart:
     """One constraint ready to apply: ``v <- (I - Q_a) v + Q_a v_prescribed`` at ``particles``.
 
     ``face`` is its boundary tag; ``particles (n,)``; ``projector (n, 3, 3)`` orthogonal projectors
-    ``Q_a``.  Projectors of different parts at one particle are mutually orthogonal, so the order
-    does not matter.
+    ``Q_a`` on the directions that it adds to those of parts before it.  Projectors of different
+    parts at one particle are mutually orthogonal.
+
+    The directions that are wanted need not be orthogonal: two sides may meet at any angle.  Then
+    ``lift (n, 3, 3)`` takes what the wanted components lack of the prescribed ones, with the parts
+    before it, to the velocity along the added directions.  ``is_oblique`` says that one particle at
+    least needs it; else ``lift`` is the projector.
     """
 
     face: str
     particles: NDArray[np.int64]
     projector: Array
     velocity: VelocityField
+    lift: Array
+    is_oblique: bool
 
     def prescribed(self, X: Array, t: float) -> Array:
         """Checked velocity ``(n, 3)`` [m/s] at ``X (n, 3)``; see :func:`callbacks.asked`."""
@@ -99,25 +106,61 @@ def essential_parts(constraints: tuple[Constraint, ...], mesh: Mesh) -> list[Ess
     A tag that goes round a sharp edge is as if each of its sides had a tag.
     """
     taken = np.zeros((len(mesh.vertices), 3, 3))
-    parts = []
-    sides = [
-        (constraint, *side)
+    return [
+        part_of(constraint, *side, taken)
         for constraint in constraints
         for side in vertex_normals(mesh, constraint.face)
     ]
-    for constraint, particles, normal in sides:
-        nn = normal[:, :, None] * normal[:, None, :]
-        wanted = {
-            "normal": nn,
-            "tangential": np.eye(3) - nn,
-            "all": np.broadcast_to(np.eye(3), nn.shape),
-        }[constraint.direction]
-        # Directions that this constraint adds to those already taken: the range of
-        # (I - T) wanted (I - T), made an orthogonal projector by its eigenvectors.
-        free = np.eye(3) - taken[particles]
-        value, vector = np.linalg.eigh(free @ wanted @ free)
-        kept = vector * (value > 1e-8)[:, None, :]
-        projector = kept @ np.swapaxes(kept, 1, 2)
-        taken[particles] += projector
-        parts.append(EssentialPart(constraint.face, particles, projector, constraint.velocity))
-    return parts
+
+
+def part_of(
+    constraint: Constraint, particles: NDArray[np.int64], normal: Array, taken: Array
+) -> EssentialPart:
+    """``constraint`` at ``particles (n,)`` with unit normals ``(n, 3)``.
+
+    ``taken (N, 3, 3)`` are projectors on the directions that parts before it have; those that it
+    adds are added there.
+    """
+    nn = normal[:, :, None] * normal[:, None, :]
+    wanted = {
+        "normal": nn,
+        "tangential": np.eye(3) - nn,
+        "all": np.broadcast_to(np.eye(3), nn.shape),
+    }[constraint.direction]
+    before = taken[particles]
+    # Directions that this constraint adds to those already taken: the range of
+    # (I - T) wanted (I - T), made an orthogonal projector by its eigenvectors.
+    free = np.eye(3) - before
+    value, vector = np.linalg.eigh(free @ wanted @ free)
+    kept = vector * (value > 1e-8)[:, None, :]
+    projector = kept @ np.swapaxes(kept, 1, 2)
+    # w m = w (v_prescribed - v_before) for the m along the added directions.
+    lift = kept @ np.linalg.pinv(wanted @ kept, rcond=1e-5) @ wanted
+    is_oblique = max(np.abs(lift - projector).max(), np.abs(lift @ before).max()) > 1e-9
+    taken[particles] += projector
+    return EssentialPart(
+        constraint.face, particles, projector, constraint.velocity,
+        lift if is_oblique else projector, bool(is_oblique),
+    )  # fmt: skip
+
+
+def prescribed_parts(
+    parts: Sequence[EssentialPart], X: Array, t: float
+) -> Iterator[tuple[NDArray[np.int64], Array]]:
+    """What is prescribed at time ``t`` [s] of the constrained components: rows, ``(n, 3)`` [m/s].
+
+    What is handed out adds up.  ``X (N, 3)`` [m] are all particles.
+    """
+    if not any(part.is_oblique for part in parts):
+        for part in parts:
+            if not part.is_fixed:
+                given = part.prescribed(X[part.particles], t)
+                yield part.particles, np.einsum("nij,nj->ni", part.projector, given)
+        return
+    whole = np.zeros_like(X)
+    for part in parts:
+        rows = part.particles
+        wanted = np.zeros((len(rows), 3)) if part.is_fixed else part.prescribed(X[rows], t)
+        whole[rows] += np.einsum("nij,nj->ni", part.lift, wanted - whole[rows])
+    rows = np.unique(np.concatenate([part.particles for part in parts]))
+    yield rows, whole[rows]

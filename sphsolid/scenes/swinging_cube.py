@@ -73,14 +73,15 @@ class StandingWave:
 
     @property
     def momentum_scale(self) -> float:
-        """``rho0 w U0 max|A, B, C| / sqrt(8)``: each shape has norm 1/sqrt(8) over the cube."""
+        """``rho0 w |U0| max|A, B, C| / sqrt(8)``: each shape has norm 1/sqrt(8) over the cube."""
         largest = max(abs(c) for c in self.coefficients)
-        return self.material.density * self.frequency * self.amplitude * largest / math.sqrt(8.0)
+        size = abs(self.amplitude) * largest / math.sqrt(8.0)
+        return self.material.density * self.frequency * size
 
     @property
     def stress_scale(self) -> float:
-        """``mu pi U0 / sqrt(8)``, one scale for all nine components (some of them are zero)."""
-        return self.material.mu * math.pi * self.amplitude / math.sqrt(8.0)
+        """``mu pi |U0| / sqrt(8)``, one scale for all nine components (some of them are zero)."""
+        return self.material.mu * math.pi * abs(self.amplitude) / math.sqrt(8.0)
 
     def displacement(self, X: Array, t: float) -> Array:
         """``u (n, 3)`` [m]."""

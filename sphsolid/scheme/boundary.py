@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from sphsolid.cloud.cloud import Cloud
 from sphsolid.compiled import kernel, prange
-from sphsolid.scenes.constraint import essential_parts
+from sphsolid.scenes.constraint import essential_parts, prescribed_parts
 from sphsolid.scenes.scene import NoBodyForce, Scene
 
 Array = NDArray[np.float64]
@@ -78,9 +78,7 @@ class EssentialConditions:
     def __init__(self, scene: Scene, cloud: Cloud) -> None:
         parts = essential_parts(scene.constraints, cloud.mesh)
         self._density = scene.material.density
-        self._moving = [
-            (part, cloud.X[part.particles]) for part in parts if not part.is_fixed
-        ]
+        self._X = cloud.X
         self._parts = parts
         constrained = [part.particles for part in parts]
         self.particles = np.unique(np.concatenate(constrained)) if parts else np.zeros(0, np.int64)
@@ -94,9 +92,8 @@ class EssentialConditions:
     def impose(self, p: Array, t: float) -> None:
         """Set the constrained components of ``p (N, 3)`` to ``rho0`` times their velocity."""
         self.release(p)
-        for part, X in self._moving:
-            v = part.prescribed(X, t)
-            p[part.particles] += self._density * np.einsum("nij,nj->ni", part.projector, v)
+        for rows, v in prescribed_parts(self._parts, self._X, t):
+            p[rows] += self._density * v
 
     def by_face(self, reaction: Array) -> dict[str, Array]:
         """Sum over a constrained face of its share of ``reaction (n, 3)`` at ``particles``."""

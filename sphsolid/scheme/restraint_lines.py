@@ -25,6 +25,7 @@ from sphsolid.cloud.lattice.box import BoxLattice, box_of
 from sphsolid.scheme.restraint_term import Measured, RestraintParts, RestraintTerm
 from sphsolid.scheme.set_up import SetUp
 from sphsolid.scheme.stage import Stage
+from sphsolid.scheme.viscous_share import viscous_shares
 
 if TYPE_CHECKING:
     from sphsolid.scheme.restraint import Restraint
@@ -102,7 +103,8 @@ class LineRestraint(RestraintTerm):
             t = V / axis.dx**2 * (parts.quartic * r2 + parts.elastic) * e
             if self.needs_rates:
                 F_m, L_m = F[axis.middle], L[axis.middle]
-                w = parts.viscosity * V / axis.dx * _rate(F_m, L_m, axis.difference(v), e)
+                c = parts.viscosity * V / axis.dx * viscous_shares(F_m)[..., None]
+                w = c * _rate(F_m, L_m, axis.difference(v), e)
                 t += np.einsum("...ij,...j->...i", F_m, w)
                 through[axis.middle] += e[..., :, None] * w[..., None, :]
             axis.spread(t, force)
@@ -130,9 +132,8 @@ class LineRestraint(RestraintTerm):
                 F_m, L_m = F[axis.middle], L[axis.middle]
                 s = _rate(F_m, L_m, axis.difference(v), e)
                 other = _rate(F_m, L_given[axis.middle], axis.difference(v_given), e)
-                taken -= float(
-                    np.sum(parts.viscosity * axis.V / axis.dx * np.sum(s * other, axis=-1))
-                )
+                c = parts.viscosity * axis.V / axis.dx * viscous_shares(F_m)
+                taken -= float(np.sum(c * np.sum(s * other, axis=-1)))
         return stored, taken
 
     def _grids(self, measured: Measured) -> tuple[Array, Array, Array, Array]:
