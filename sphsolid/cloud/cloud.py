@@ -17,6 +17,7 @@ from sphsolid.cloud.gradient import (
     row_sum,
 )
 from sphsolid.cloud.lengths import Lengths, lengths_of, refuse_long_cells
+from sphsolid.cloud.loaded_areas import loaded_areas
 from sphsolid.cloud.operator import Gradients, Ingredients, Layout, OperatorKind
 from sphsolid.cloud.operator_cache import gradients_of
 from sphsolid.cloud.pairs.neighbours import PairList, transposed
@@ -85,22 +86,14 @@ class Cloud:
         return quadratically_exact_areas(self.mesh)[face]
 
     def areas_of_sides(self, face: str) -> list[Array]:
-        """The same for each smooth side of a tag: a sum over a sharp edge would lose its area.
+        """Area vectors ``(N, 3)`` [m^2] that a load acts over, of each smooth side of a tag.
 
-        What the operator's areas have beside those of the facets is shared by size.
+        A sum over a sharp edge would lose its area.  Resultant and moments of a constant traction
+        are those of the facets: see :mod:`sphsolid.cloud.loaded_areas`.
         """
-        whole = self.areas_of(face)
         patches = smooth_patches(self.mesh, self.mesh.face(face))
-        if len(patches) == 1:
-            return [whole]
-        sides = [area_vectors(self.mesh, facets) for facets in patches]
-        sizes = [np.linalg.norm(side, axis=1) for side in sides]
-        more, total = whole - sum(sides), sum(sizes)
-        share = np.divide(1.0, total, out=np.zeros_like(whole[:, 0]), where=total > 0.0)
-        return [
-            side + (size * share)[:, None] * more
-            for side, size in zip(sides, sizes, strict=True)
-        ]
+        facets = [area_vectors(self.mesh, patch) for patch in patches]
+        return loaded_areas(self.X, facets, self.areas_of(face))
 
     @property
     def spacing(self) -> float:
