@@ -98,7 +98,8 @@ class Restraint(TermOption):
     """Stiffness and viscosity against the motion that the gradient does not see.
 
     ``viscosity`` is the share of ``rho0 c_p``: the dissipation potential is
-    ``1/2 viscosity rho0 c_p V_ab |d(F^T e)/dt|^2 / |X_ab|``.  What it needs of
+    ``1/2 viscosity rho0 c_p V_ab |d(F^T e)/dt|^2 / |X_ab|``, less at strong stretches
+    (:mod:`sphsolid.scheme.viscous_share`).  What it needs of
     the velocities is dear: ``spaced``, it acts in some steps, for all since it last did (see
     ``restraint_term.PUSHES``).
     """

@@ -10,7 +10,7 @@ import pytest
 from sphsolid.errors import InputError
 from sphsolid.geometry import HoledBlock, TetBox
 from sphsolid.scenes import Box, Constraint, swinging_cube
-from sphsolid.scenes.constraint import essential_parts, vertex_normals
+from sphsolid.scenes.constraint import essential_parts, prescribed_parts, vertex_normals
 
 X, Y, Z = np.eye(3)
 
@@ -134,3 +134,42 @@ def test_bad_constraints_are_refused():
         Constraint("X-", "sideways")
     with pytest.raises(InputError, match="'bottom'"):
         essential_parts((Constraint("bottom", "all"),), Box().mesh(0.5))
+
+
+class Sheared:
+    """A box whose side X+ leans over: it meets Z- and Z+ at half a right angle."""
+
+    def mesh(self, spacing):
+        mesh = Box().mesh(spacing)
+        X = mesh.vertices.copy()
+        X[:, 0] += X[:, 2]
+        return replace(mesh, vertices=X)
+
+
+def unit_normal_speed(X, t):
+    return np.tile([1.0, 0.0, -1.0], (len(X), 1)) / np.sqrt(2.0)
+
+
+@pytest.mark.parametrize("order", [("Z-", "X+"), ("X+", "Z-")])
+def test_sides_at_any_angle_have_both_their_motions(order):
+    """v.n = 1 on X+ and a roller on Z-: where they meet v = (sqrt 2, 0, 0), in either order."""
+    mesh = Sheared().mesh(0.5)
+    of = {"Z-": Constraint("Z-", "normal"), "X+": Constraint("X+", "normal", unit_normal_speed)}
+    parts = essential_parts(tuple(of[name] for name in order), mesh)
+    v = np.zeros_like(mesh.vertices)
+    for rows, given in prescribed_parts(parts, mesh.vertices, 0.0):
+        v[rows] += given
+    np.testing.assert_allclose(v[at(mesh, 1.0, 0.5, 0.0)], [np.sqrt(2.0), 0.0, 0.0], atol=1e-12)
+    np.testing.assert_allclose(v[at(mesh, 1.5, 0.5, 0.5)], [0.5**0.5, 0.0, -(0.5**0.5)], atol=1e-12)
+    np.testing.assert_allclose(v[at(mesh, 0.0, 0.5, 0.0)], 0.0, atol=1e-12)
+
+
+def test_sides_at_right_angles_take_the_projected_motion_to_the_bit():
+    mesh = Box().mesh(0.5)
+    parts = essential_parts(
+        (Constraint("X+", "normal", unit_normal_speed), Constraint("Z-", "all")), mesh
+    )
+    assert not any(part.is_oblique for part in parts)
+    (rows, given), = prescribed_parts(parts, mesh.vertices, 0.0)
+    np.testing.assert_array_equal(rows, parts[0].particles)
+    np.testing.assert_array_equal(given[:, 1:], 0.0)

@@ -251,3 +251,9 @@ def test_amplitude_of_gradient(family):
 def test_bad_input_is_refused(arguments, named):
     with pytest.raises(InputError, match=named):
         swinging_cube(**arguments)
+
+
+def test_errors_do_not_change_sign_with_the_amplitude():
+    waves = [swinging_cube(amplitude=amplitude).exact for amplitude in (5e-4, -5e-4)]
+    assert waves[0].momentum_scale == waves[1].momentum_scale > 0.0
+    assert waves[0].stress_scale == waves[1].stress_scale > 0.0

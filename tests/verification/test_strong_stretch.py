@@ -1,0 +1,92 @@
+"""A body that is held at a strong stretch: noise decays, and the viscosity only takes energy."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import sphsolid as sph
+from sphsolid.record import EnergyBudget
+from sphsolid.scenes import Box, Constraint, Scene
+from sphsolid.scheme.viscous_share import SQUARE, viscous_share, viscous_shares
+
+LAW = sph.NeoHookean.from_young(young_modulus=1.0e6, poisson_ratio=0.3, density=1000.0)
+RESTRAINTS = (sph.Restraint(), sph.Restraint(spaced=False))
+#: From a stretch of 3.5 on the consistent operator has modes that grow without any viscosity.
+HELD = [
+    (2.0, sph.LatticeDifference()), (3.0, sph.LatticeDifference()), (4.0, sph.LatticeDifference()),
+    (2.0, sph.Consistent()), (3.0, sph.Consistent()),
+]  # fmt: skip
+
+
+def pulled(stretch: float) -> Scene:
+    """A cube pulled along X between rollers, its volume kept, with a saw tooth in the velocity."""
+    across = stretch**-0.5
+    sign = lambda X: np.where(np.round(8.0 * X).sum(axis=1) % 2, 1.0, -1.0)[:, None]  # noqa: E731
+    return Scene(
+        "pulled", Box(), LAW, 1.0,
+        initial_displacement=lambda X: X * (np.array([stretch, across, across]) - 1.0),
+        initial_velocity=lambda X: 1.0e-6 * sign(X) * np.array([1.0, 0.3, 0.2]),
+        constraints=tuple(Constraint(f"{axis}{end}", "normal") for axis in "XYZ" for end in "-+"),
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize("restraint", RESTRAINTS, ids=str)
+@pytest.mark.parametrize(("stretch", "operator"), HELD, ids=str)
+def test_noise_decays_and_no_push_makes_energy(
+    stretch: float, operator: sph.OperatorKind, restraint: sph.Restraint
+) -> None:
+    sim = sph.Simulation(
+        pulled(stretch), spacing=0.125, operator=operator, stabilisation=restraint
+    )
+    start = sim.snapshot().kinetic_energy
+    history = sim.run(until=150 * sim.stable_time_step(), every=None, record=[EnergyBudget()])
+    assert sim.snapshot().kinetic_energy < 0.3 * start
+    taken = history.table["dissipation_restraint [J]"].to_numpy()
+    assert np.all(np.diff(taken) <= 1e-12 * start)
+
+
+def test_no_stretch_to_twice_the_length_is_changed_by_a_bit() -> None:
+    rng = np.random.default_rng(0)
+    F = np.diag([2.0, 0.5**0.5, 0.5**0.5]) @ np.linalg.qr(rng.standard_normal((3, 3)))[0]
+    assert viscous_share(tuple((0.999 * F).ravel())) == 1.0
+    assert viscous_shares(0.999 * F[None])[0] == 1.0
+    assert viscous_shares(3.0 * np.eye(3)[None])[0] == pytest.approx(SQUARE / 27.0)
+
+
+@pytest.mark.parametrize("cfl", [0.5, 0.7])
+def test_differences_of_order_four_have_a_step_of_their_own(cfl: float) -> None:
+    """Their highest frequency is above that of second-order differences, restraint or none."""
+    rng = np.random.default_rng(0)
+    free = Scene(
+        "free", Box(), LAW, 1.0,
+        initial_velocity=lambda X: 1.0e-6 * rng.standard_normal(X.shape),
+    )  # fmt: skip
+    sim = sph.Simulation(
+        free, spacing=0.125, formulation=sph.Displacement(), operator=sph.LatticeDifference(),
+        stabilisation=sph.NoStabilisation(), cfl=cfl,
+    )  # fmt: skip
+    start = sim.snapshot().kinetic_energy
+    for _ in range(300):
+        sim.advance(sim.stable_time_step())
+    assert sim.snapshot().kinetic_energy < 1.05 * start
+
+
+def test_two_restraints_on_a_lattice_add_up() -> None:
+    scene = Scene(
+        "wavy", Box(), LAW, 1.0,
+        initial_displacement=lambda X: 0.01 * np.where(np.round(4.0 * X) % 2, 1.0, -1.0),
+    )  # fmt: skip
+
+    def force(*restraints: sph.Restraint) -> np.ndarray:
+        first, *more = restraints
+        sim = sph.Simulation(scene, spacing=0.25, stabilisation=first, terms=more)
+        sim.advance(1.0e-9)
+        return np.asarray(sim.snapshot().momentum) / 1.0e-9
+
+    elastic = sph.Restraint(stiffness=sph.Elastic(1.0), viscosity=0.0)
+    none = sph.Restraint(stiffness=sph.NoStiffness(), viscosity=0.01)
+    both, one, bare = force(sph.Restraint(), elastic), force(sph.Restraint()), force(none)
+    alone = force(elastic)
+    largest = np.abs(both).max()
+    np.testing.assert_allclose(both + bare, one + alone, atol=1e-5 * largest)
