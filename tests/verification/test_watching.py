@@ -25,7 +25,7 @@ from sphsolid.record import (
     Reactions,
     RunFolder,
 )
-from sphsolid.scenes import twisting_column
+from sphsolid.scenes import Box, Scene, twisting_column
 from tests.oracles.blocks import spinning_block
 from tests.oracles.checkers import total_energy
 
@@ -168,3 +168,25 @@ def test_times_of_the_mesh_do_not_know_the_cfl_number(nu: float) -> None:
         )
         found.append(kept(sim, None, 5.0e-3))
     assert abs(found[1] - found[0]) < SAME
+
+
+def test_looking_does_not_change_the_step_of_a_law_that_stiffens() -> None:
+    """Off lattices ``F`` is kept: that of the last evaluation, until somebody looks."""
+    material = sph.SaintVenantKirchhoff.from_young(
+        young_modulus=1.0e6, poisson_ratio=0.3, density=1000.0
+    )
+    scene = Scene(
+        "whirl", Box(jitter=0.3), material, 1.0,
+        initial_velocity=lambda X: 3.0 * np.sin(3.0 * X[:, [1, 0, 2]]) * np.array([1.0, -1.0, 0.0]),
+    )  # fmt: skip
+
+    def steps(look: Callable[[Any], object]) -> list[float]:
+        sim = sph.Simulation(scene, spacing=0.5, stabilisation=sph.Restraint(viscosity=0.002))
+        found = []
+        for _ in range(12):
+            look(sim)
+            found.append(sim.stable_time_step())
+            sim.advance(found[-1])
+        return found
+
+    assert steps(lambda sim: sim.placement()) == steps(lambda sim: None)
