@@ -104,3 +104,12 @@ def test_a_claim_that_compares_nothing_is_refused(wrong):
 def test_two_claims_of_one_name_are_refused():
     with pytest.raises(InputError, match="claims repeat: c here"):
         claims_table([Claim("c ", 1.0, where="here")] * 2)
+
+
+def test_a_number_that_would_do_says_that_the_run_was_not_sound() -> None:
+    folded = Claim("height", 0.01, "<=", 0.02, sound=False)
+    assert (folded.verdict, folded.shown) == ("not met", "0.01; folded or diverged")
+    parts = Claim("height", {"a": 0.01, "b": 0.01}, "<=", 0.02, sound={"a": True, "b": False})
+    assert (parts.verdict, parts.shown) == ("met in part", "a 0.01, b 0.01; folded or diverged: b")
+    assert Claim("height", 0.03, "<=", 0.02, sound=False).shown == "0.03"
+    assert Claim.counted("runs", 2, 3).limit == "all"
