@@ -9,7 +9,6 @@ here to show that, beside ``BBarHex``, and is as good as that one where the body
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from typing import Any
 
@@ -20,23 +19,10 @@ from skfem import MeshHex
 from fem_reference.b_bar_hex import BBarHexElements
 from fem_reference.element import CentroidStress, mixed_stress
 from sphsolid.continuum import law
-from sphsolid.geometry.cell_shape import CORNERS
 from sphsolid.geometry.mesh import HexMesh
+from sphsolid.record.turned_cells import gauss_jacobians
 
 Array = NDArray[np.float64]
-#: Gauss points of the unit cube ``(8, 3)``: each weighs an eighth.
-_GAUSS = 0.5 + (CORNERS - 0.5) / math.sqrt(3.0)
-
-
-def _jacobians(corners: Array) -> Array:
-    """``det(dx/dxi) (E, 8)`` of trilinear maps with corners ``(E, 8, 3)``, at the Gauss points."""
-    # The factor of each axis, and its derivative, of every corner at every point.
-    along = np.where(CORNERS[None] > 0.5, _GAUSS[:, None], 1.0 - _GAUSS[:, None])
-    slopes = np.empty_like(along)
-    for axis in range(3):
-        others = along[..., (axis + 1) % 3] * along[..., (axis + 2) % 3]
-        slopes[..., axis] = (2.0 * CORNERS[:, axis] - 1.0) * others
-    return np.asarray(np.linalg.det(np.einsum("gak,eai->egik", slopes, corners)))
 
 
 @dataclass(frozen=True)
@@ -71,10 +57,8 @@ class FullHexElements(BBarHexElements):
 
     def volumetric_energy(self, x: Array) -> float:
         """``sum_g w_g U(J_g)`` [J] at the Gauss points."""
-        cells = self.quadrature.cells
-        reference, deformed = (_jacobians(at[cells]) for at in (self.mesh.vertices, x))
-        U = law.volumetric_energy(self.material, deformed / reference)
-        return float(np.sum(reference * U) / 8.0)
+        reference, J = gauss_jacobians(self.mesh, x)
+        return float(np.sum(reference * law.volumetric_energy(self.material, J)) / 8.0)
 
     def description(self) -> str:
         """One line for the plan of a run."""

@@ -387,7 +387,7 @@ def _of_the_default(plain: pd.DataFrame) -> Iterator[Claim]:
 
 
 def _said(name: str, nu: float) -> str:
-    return name if "nu" in name else f"{name}, nu {nu:g}"
+    return name if name == MOVING else f"{name}, nu {nu:g}"
 
 
 def _last(runs: pd.DataFrame) -> Iterator[tuple[str, Mapping[str, Any]]]:
