@@ -51,14 +51,10 @@ def _hash(skipped: tuple[str, ...]) -> str:
     return digest.hexdigest()[:16]
 
 
-def source_hash() -> str:
-    """Hash of all sources that can change a result."""
-    return _hash(_NO_RESULT)
-
-
-def kernel_hash() -> str:
-    """Hash of all sources that can end up inside a compiled kernel."""
-    return _hash(_NOT_COMPILED)
+#: Hashes of the sources as this process found them when it began: of all that can change a result,
+#: and of all that can end up inside a compiled kernel.
+SOURCE_HASH = _hash(_NO_RESULT)
+KERNEL_HASH = _hash(_NOT_COMPILED)
 
 
 def cache_base() -> Path:
@@ -74,10 +70,6 @@ def cache_base() -> Path:
         return (Path(shared) if os.path.isabs(shared) else Path.home() / ".cache") / "sphsolid"
     except RuntimeError as homeless:
         raise OSError(f"there is no cache folder ({homeless}); set SPHSOLID_CACHE") from None
-
-
-#: Hash of the sources as they were imported.
-KERNEL_HASH = kernel_hash()
 
 
 def _cache_dir() -> Path | None:
@@ -194,16 +186,15 @@ def description() -> dict[str, Any]:
 __all__ = [
     "CACHE_DIR",
     "KERNEL_HASH",
+    "SOURCE_HASH",
     "cache_base",
     "description",
     "inlined",
     "kernel",
-    "kernel_hash",
     "overload",
     "prange",
     "register_jitable",
     "serial_kernel",
     "set_threads",
-    "source_hash",
     "threads",
 ]

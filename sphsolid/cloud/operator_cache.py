@@ -23,7 +23,7 @@ import scipy
 from numpy.typing import NDArray
 
 from sphsolid.cloud.operator import Gradients, Ingredients, OperatorKind
-from sphsolid.compiled import cache_base, source_hash
+from sphsolid.compiled import SOURCE_HASH, cache_base
 
 Array = NDArray[np.float64]
 #: Clouds of fewer particles are solved faster than it is worth to keep them.
@@ -77,7 +77,7 @@ def content_hash(operator: OperatorKind, cloud: Ingredients) -> str:
     """Of the mesh, what was made of it, the options, our sources and the libraries."""
     digest = hashlib.sha256()
     for part in (
-        source_hash(), numba.__version__, np.__version__, scipy.__version__,
+        SOURCE_HASH, numba.__version__, np.__version__, scipy.__version__,
         repr(operator), repr(cloud.smoothing), repr(cloud.mesh.is_lattice),
         repr(cloud.mesh.spacing), *sorted(cloud.mesh.faces),
     ):  # fmt: skip

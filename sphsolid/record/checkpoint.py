@@ -15,7 +15,7 @@ from typing import Any, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from sphsolid.compiled import KERNEL_HASH, description
+from sphsolid.compiled import SOURCE_HASH, description
 from sphsolid.errors import Diverged, InputError
 from sphsolid.geometry.mesh import Mesh
 from sphsolid.paths import path_of
@@ -218,7 +218,7 @@ def common_identity(scene: Scene, material: Any, mesh: Mesh, V: Array) -> dict[s
         "constraints": ", ".join(held) or "none",
         "loads": ", ".join(loaded) or "none",
         "points": _hash(mesh.vertices, V),
-        "sources": KERNEL_HASH,
+        "sources": SOURCE_HASH,
         "libraries": ", ".join(f"{k} {libraries[k]}" for k in ("numba", "llvmlite", "numpy")),
     } | {
         f"boundary {face}": _hash(mesh.face(face))

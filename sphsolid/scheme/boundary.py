@@ -109,6 +109,10 @@ class EssentialConditions:
         if len(self.particles):
             _reaction(self.particles, self._free, rate, out)
 
+    def constrained(self, f: Array) -> Array:
+        """The constrained components of vectors ``f (n, 3)`` at ``particles (n,)``."""
+        return f - np.einsum("nij,nj->ni", self._free, f)
+
     def release(self, rate: Array) -> None:
         """Zero the constrained components of a rate ``(N, 3)``."""
         if len(self.particles):

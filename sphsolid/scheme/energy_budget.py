@@ -72,6 +72,9 @@ class NoBudget:
         """Impose the essential conditions, nothing else."""
         essential.impose(state.p, t)
 
+    def accelerate(self, p_start: Array, state: State, dt: float) -> None:
+        """Nothing."""
+
 
 class StageBudget:
     """Work [J] of every term and impulses, integrated with the integrator's own stages.
@@ -187,6 +190,12 @@ class StageBudget:
             p = state.p[held]
             jump = weight * self._V[held, None] * (p - before)
             self._react(jump, p / self._rhs.material.density, state.x[held])
+
+    def accelerate(self, p_start: Array, state: State, dt: float) -> None:
+        """Add to the reactions what moves the constrained particles faster than ``p_start``."""
+        held = self._rhs.essential.particles
+        gained = (state.p[held] - p_start[held]) / dt
+        self._rhs.reaction += self._rhs.essential.constrained(gained)
 
     def _react(self, impulse: Array, v: Array, x: Array) -> None:
         self.works[2] += np.sum(impulse * v)

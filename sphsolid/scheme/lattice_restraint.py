@@ -9,8 +9,7 @@ potential are
 with ``F`` at the middle.  They do not change in a rigid motion, so their forces have neither
 resultant nor moment, and the second takes energy at any state.
 
-Where ``|F|^2`` is beyond that of a stretch of two, the second is divided by what it is beyond
-(``viscous_share``).
+Where the body is strongly stretched the second is less (``viscous_share``).
 
 ``R``, the derivatives by ``e``, is zero where there is no difference, and two planes or lines of
 zeros are before the first and after the last: the transpose takes the ends like all others.
@@ -113,7 +112,7 @@ def restrain(  # type: ignore[no-untyped-def]
         d0, d1, d2 = S[e + k], S[e1 + k], S[e2 + k]
         g0, g1, g2 = S[v + k], S[v1 + k], S[v2 + k]
         A, B = tensor_at(S, F + k), tensor_at(S, L + k)
-        c = viscosity * viscous_share(A)
+        c = viscosity * viscous_share(A, parts.most)
         s0 = c * (A[0] * g0 + A[3] * g1 + A[6] * g2 + (B[0] * d0 + B[3] * d1 + B[6] * d2))
         s1 = c * (A[1] * g0 + A[4] * g1 + A[7] * g2 + (B[1] * d0 + B[4] * d1 + B[7] * d2))
         s2 = c * (A[2] * g0 + A[5] * g1 + A[8] * g2 + (B[2] * d0 + B[5] * d1 + B[8] * d2))

@@ -17,6 +17,7 @@ place of ``e_ab`` (``restraint_lines``).
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
@@ -140,6 +141,7 @@ class Restraint(TermOption):
             quartic=self.stiffness.quartic * mu,
             elastic=self.stiffness.elastic * mu,
             viscosity=self.viscosity * material.density * reference_p_wave_speed(material),
+            most=math.inf,
         )
 
     def terms(self, set_up: SetUp) -> Sequence[Term]:

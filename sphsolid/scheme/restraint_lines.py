@@ -103,7 +103,7 @@ class LineRestraint(RestraintTerm):
             t = V / axis.dx**2 * (parts.quartic * r2 + parts.elastic) * e
             if self.needs_rates:
                 F_m, L_m = F[axis.middle], L[axis.middle]
-                c = parts.viscosity * V / axis.dx * viscous_shares(F_m)[..., None]
+                c = parts.viscosity * V / axis.dx * viscous_shares(F_m, self.acting.most)[..., None]
                 w = c * _rate(F_m, L_m, axis.difference(v), e)
                 t += np.einsum("...ij,...j->...i", F_m, w)
                 through[axis.middle] += e[..., :, None] * w[..., None, :]
@@ -132,7 +132,7 @@ class LineRestraint(RestraintTerm):
                 F_m, L_m = F[axis.middle], L[axis.middle]
                 s = _rate(F_m, L_m, axis.difference(v), e)
                 other = _rate(F_m, L_given[axis.middle], axis.difference(v_given), e)
-                c = parts.viscosity * axis.V / axis.dx * viscous_shares(F_m)
+                c = parts.viscosity * axis.V / axis.dx * viscous_shares(F_m, self.acting.most)
                 taken -= float(np.sum(c * np.sum(s * other, axis=-1)))
         return stored, taken
 

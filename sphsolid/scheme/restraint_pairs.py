@@ -113,7 +113,8 @@ def restrain(near, parts, measured, direct, P):  # type: ignore[no-untyped-def]
             if damped:
                 L_m = mean_with(L, L_a, b)
                 s = rate(F_m, L_m, unseen(L_m, X, apart(v, a, b)), e)
-                c = near.volume[k] / math.sqrt(square) * parts.viscosity * viscous_share(F_m)
+                share = viscous_share(F_m, parts.most)
+                c = near.volume[k] / math.sqrt(square) * parts.viscosity * share
                 w0, w1, w2 = c * s[0], c * s[1], c * s[2]
                 t0 += F_m[0] * w0 + F_m[1] * w1 + F_m[2] * w2
                 t1 += F_m[3] * w0 + F_m[4] * w1 + F_m[5] * w2
@@ -160,7 +161,8 @@ def energies(near, parts, measured, given, out):  # type: ignore[no-untyped-def]
                 s = rate(F_m, L_m, unseen(L_m, X, apart(v, a, b)), e)
                 L_m = mean_with(L_given, tensor_of(L_given, a), b)
                 other = rate(F_m, L_m, unseen(L_m, X, apart(v_given, a, b)), e)
-                c = near.volume[k] / math.sqrt(square) * parts.viscosity * viscous_share(F_m)
+                share = viscous_share(F_m, parts.most)
+                c = near.volume[k] / math.sqrt(square) * parts.viscosity * share
                 taken -= c * (s[0] * other[0] + s[1] * other[1] + s[2] * other[2])
         out[a, 0] = 0.5 * stored
         out[a, 1] = 0.5 * taken

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from abc import abstractmethod
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -28,17 +29,23 @@ CYCLE = 15
 #: Largest damping in a step, rate times step, for which that holds, and for a viscosity that acts
 #: in every step.
 MOST_SPACED, MOST = 0.3, 0.85
-#: The rate grows with the squares of stretches, of which a solid that keeps its volume has in the
-#: mean so much when one of them is two.
+#: What the rate is multiplied by where stretches are moderate: it grows with their squares.
 _SQUARE = 5.0 / 3.0
+#: Largest damping in a step of a spaced viscosity at a strong stretch, up to CFL numbers of 0.7.
+#: There no push makes energy: the strongest takes ``(1 - 5 d)^2`` of it, below one for ``d < 0.4``.
+MOST_STRETCHED = 0.36
 
 
 class RestraintParts(NamedTuple):
-    """``quartic`` and ``elastic`` stiffness [Pa], ``viscosity`` [kg/(m^2 s)]."""
+    """``quartic`` and ``elastic`` stiffness [Pa], ``viscosity`` [kg/(m^2 s)].
+
+    ``most``: the square of a stretch from which on the viscosity is less (``viscous_share``).
+    """
 
     quartic: float
     elastic: float
     viscosity: float
+    most: float
 
 
 class Measured(NamedTuple):
@@ -60,7 +67,7 @@ class RestraintTerm(Term):
         self.parts = parts
         #: What acts in this step.
         self.acting = parts
-        self.needs_rates = self.is_damped = parts.viscosity > 0.0
+        self.needs_rates = self.is_damped = self.follows_step = parts.viscosity > 0.0
         self.works = ("dissipation_restraint",) if self.is_damped else ()
         self._set_up = set_up
         self._operator = set_up.operator
@@ -75,10 +82,14 @@ class RestraintTerm(Term):
         return self._operator.zeros(Field("F", "tensor"))
 
     def begin_step(self, units: Units) -> None:
-        """Let the viscosity act, or rest."""
+        """Let the viscosity act, or rest; where it would be too fast for this step it is less."""
         times = PUSHES.get(units.number % CYCLE, 0) if self.options.spaced else 1
         self.needs_rates = self.is_damped and times > 0
-        self.acting = self.parts._replace(viscosity=times * self.parts.viscosity)
+        most = math.inf
+        if self.needs_rates and self.rate > 0.0:
+            limit = MOST_STRETCHED if self.options.spaced else MOST
+            most = limit / (self.rate * units.step)
+        self.acting = self.parts._replace(viscosity=times * self.parts.viscosity, most=most)
 
     def keep_for_powers(self) -> None:
         """Keep ``grad v`` of an evaluation from now on."""

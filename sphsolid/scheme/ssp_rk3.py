@@ -97,6 +97,7 @@ class SSPRK3Stepper(RungeKuttaStepper):
         self.budget.stage(state, y, 2.0 * dt / 3.0, t + 0.5 * dt)
         stages.convex(1.0 / 3.0, dt)
         self.budget.impose(self.essential, state, t + dt, 1.0)
+        self.budget.accelerate(p_start, state, dt)
 
         moved(y, step, (0.25, 0.25), state.p, state.p, state.x)
         self._take_geometry(state.x)

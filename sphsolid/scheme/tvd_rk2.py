@@ -67,5 +67,6 @@ class TVDRK2Stepper(RungeKuttaStepper):
         self.budget.stage(state, state.x, 0.5 * dt, t + dt)
         stages.convex(0.5, dt)
         self.budget.impose(self.essential, state, t + dt, 1.0)
+        self.budget.accelerate(p_start, state, dt)
         if not rhs.formulation.evolves_F:
             rhs.deformation_gradient(state.x, state.F)

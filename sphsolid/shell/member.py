@@ -10,16 +10,13 @@ from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
 
-from sphsolid.compiled import set_threads, source_hash
+from sphsolid.compiled import SOURCE_HASH, set_threads
 from sphsolid.errors import Diverged, InputError
 from sphsolid.record import History, NoOutput, RunFolder
 from sphsolid.record.atomic import atomic
 from sphsolid.shell.case import Setting, case_of
 from sphsolid.shell.lines import spelled
 from sphsolid.shell.settings import shown
-
-#: Sources as this process imported them.
-SOURCES = source_hash()
 
 
 @dataclass(frozen=True)
@@ -35,7 +32,7 @@ class Member:
     settings: tuple[Setting, ...]
     kept: str = ""
     inputs: tuple[str, ...] = ()
-    sources: str = SOURCES
+    sources: str = SOURCE_HASH
 
     @property
     def values(self) -> dict[str, str]:
@@ -80,7 +77,7 @@ class Outcome:
 
 def run_member(member: Member) -> Outcome:
     """Run it, with one kernel thread; whatever goes wrong is an outcome, not raised."""
-    if member.sources != SOURCES:
+    if member.sources != SOURCE_HASH:
         return Outcome("failed", reason="the worker has other sources: restart the workers")
     set_threads(1)
     began = time.perf_counter()

@@ -13,7 +13,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from sphsolid.compiled import source_hash
+from sphsolid.compiled import SOURCE_HASH
 from studies.engine.sources import ROOT
 
 _PACKAGES = ("numpy", "scipy", "numba", "llvmlite", "scikit-fem", "pandas", "matplotlib", "typst")
@@ -61,7 +61,7 @@ def describe_run(
         "sources_modified": bool(
             _git("status", "--porcelain", "--", "sphsolid", "fem_reference", "studies")
         ),
-        "source_hash": source_hash(),
+        "source_hash": SOURCE_HASH,
         "study_hash": sources,
         "python": platform.python_version(),
         "packages": {name: _version(name) for name in _PACKAGES},

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numba
 
-from sphsolid.compiled import set_threads, source_hash
+from sphsolid.compiled import SOURCE_HASH, set_threads
 from sphsolid.shell.pools import cluster
 from studies.engine.case import Case, Outcome, execute
 from studies.engine.pool import OnExecutor, Workers
@@ -17,7 +17,7 @@ from studies.engine.sources import ROOT
 
 
 def _sources() -> str:
-    digest = hashlib.sha256(source_hash().encode())
+    digest = hashlib.sha256(SOURCE_HASH.encode())
     for path in sorted((ROOT / "studies").rglob("*.py")):
         digest.update(path.read_bytes())
     return digest.hexdigest()

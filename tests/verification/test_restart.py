@@ -196,7 +196,7 @@ def test_the_other_method_is_refused(saved: Path) -> None:
 
 
 def test_other_sources_are_refused(saved: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(checkpoint, "KERNEL_HASH", "0123456789abcdef")
+    monkeypatch.setattr(checkpoint, "SOURCE_HASH", "0123456789abcdef")
     with pytest.raises(sph.InputError, match=r"sources: .* there, 0123456789abcdef here"):
         column().restore(saved)
 

@@ -1,0 +1,46 @@
+"""The reaction of a side that is shaken: it carries the inertia of its particles, too."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+import sphsolid as sph
+from sphsolid.scenes import Box, Constraint, Scene
+
+LAW = sph.NeoHookean.from_young(young_modulus=1.0e6, poisson_ratio=0.3, density=1000.0)
+OMEGA = 400.0
+
+
+@pytest.mark.parametrize(
+    ("formulation", "integrator", "within"),
+    [
+        (sph.Displacement(), sph.PositionVerlet(), 1e-12),
+        (sph.PF(), sph.SSPRK3(), 0.01),
+        (sph.Displacement(), sph.SSPRK3(), 0.01),
+        (sph.PF(), sph.TVDRK2(), 0.06),
+    ],
+    ids=str,
+)
+def test_the_reaction_is_the_rate_of_the_momentum(
+    formulation: Any, integrator: Any, within: float
+) -> None:
+    """Nothing else acts on the body.  Runge-Kutta has the force of a stage, not of the step."""
+    way = np.array([[1.0, 0.5, 0.0]])
+    shaken = Constraint("X-", "all", velocity=lambda X, t: 0.1 * np.sin(OMEGA * t) * way + 0.0 * X)
+    scene = Scene("shaken", Box(), LAW, 1.0, constraints=(shaken,))
+    sim = sph.Simulation(scene, spacing=0.25, formulation=formulation, integrator=integrator)
+    sim.track_budget()
+    reactions, rates = [], []
+    before = np.zeros(3)
+    dt = 0.3 * sim.stable_time_step()
+    for _ in range(60):
+        sim.advance(dt)
+        momentum = sim.cloud.V @ sim.snapshot().momentum
+        rates.append((momentum - before) / dt)
+        reactions.append(sim.snapshot().budget.reaction_force["X-"])
+        before = momentum
+    off = np.abs(np.array(reactions) - np.array(rates))[10:]
+    assert off.max() < within * np.abs(rates).max()
