@@ -10,6 +10,8 @@ import pytest
 import sphsolid as sph
 from sphsolid.record import EnergyBudget
 from sphsolid.scenes import Box, Constraint, Scene
+from sphsolid.scheme.intrinsic_time import Units
+from sphsolid.scheme.right_hand_side import RightHandSide
 from sphsolid.scheme.viscous_share import viscous_share, viscous_shares
 
 LAW = sph.NeoHookean.from_young(young_modulus=1.0e6, poisson_ratio=0.3, density=1000.0)
@@ -120,3 +122,25 @@ def test_two_restraints_on_a_lattice_add_up() -> None:
     alone = force(elastic)
     largest = np.abs(both).max()
     np.testing.assert_allclose(both + bare, one + alone, atol=1e-5 * largest)
+
+
+def test_both_forms_on_lines_reduce_the_viscosity_alike() -> None:
+    """The kernel of a box lattice, and the plain form that is independent of it."""
+    sim = sph.Simulation(pulled(3.0), spacing=0.125, stabilisation=sph.Restraint())
+    plain = RightHandSide(sim._set_up, sim._rhs.terms, sim.formulation.fields)
+    sim.state.p[:] *= 1.0e6
+    state, units = plain.zeros(), Units(1.0, sim.stable_time_step(), 0)
+    for name in state:
+        if name in sim.state:
+            state[name][:] = sim.state[name]
+    forces = []
+    for rhs in (sim._rhs, plain):
+        rhs.begin_step(units)
+        rhs.evaluate(sim._state if rhs is sim._rhs else state, state.x, 0.0, derives_F=True)
+        forces.append(rhs.rates.p.copy())
+    assert plain.terms[0].acting.most < 9.0
+    largest = np.abs(forces[1]).max()
+    np.testing.assert_allclose(forces[0], forces[1], atol=1e-12 * largest)
+    plain.terms[0].acting = plain.terms[0].acting._replace(most=np.inf)
+    unlimited = plain.evaluate(state, state.x, 0.0, derives_F=True).p
+    assert np.abs(unlimited - forces[1]).max() > 1e-3 * largest

@@ -57,7 +57,7 @@ class Body:
         for name in self.state:
             if name in self.sim.state:
                 self.state[name][:] = self.sim.state[name]
-        self.rhs.begin_step(Units(1.0, 1.0))
+        self.rhs.begin_step(Units(1.0, self.sim.stable_time_step()))
         self.p, self.x = self.state.p.copy(), self.state.x.copy()
         self.V = self.sim.cloud.V[:, None]
         self.term = self.rhs.terms[0]
