@@ -11,6 +11,10 @@ With ``--sequences`` one case of every sequence is run; its cases differ in the 
 Where it agrees, the sequence is kept for ``--resume``; the others run again there, or at once with
 ``--keep-times``.  These get the times that were measured before.  So ratios of times stay those of
 one session, which is right where a change made no step dearer.  ``run.json`` counts both.
+
+With ``--again PATTERN`` the change is known to touch the cases whose key matches: they run again,
+with ``--resume`` or at once with ``--keep-times``.  Of all others a sample of ``--cases`` is run,
+and where all of it agrees, the others are kept.
 """
 
 from __future__ import annotations
@@ -118,6 +122,41 @@ def keep_sequences(
     return count, differ
 
 
+def keep_others(
+    study: Study, *, again: str, cases: int, longest: float = LONGEST, keep_times: bool = False
+) -> tuple[int, list[str]]:
+    """Keep all cases whose key ``again`` does not match, where a sample of ``cases`` agrees.
+
+    Returns how many cases are kept, and in words what differs.  Those that match run at once where
+    ``keep_times``, else they are left for ``--resume``.
+    """
+    options = parse(study, [])
+    folder = options.out / "partial"
+    kept = kept_outcomes(folder)
+    known = [
+        case for case in study.cases(options)
+        if case.key in kept and not partial_path(folder, case).exists()
+    ]  # fmt: skip
+    others = [case for case in known if not re.search(again, case.key)]
+    now, differ = {}, []
+    for case, before in sample(others, kept, cases, longest):
+        outcome = now[case.key] = execute(case)
+        words = list(differences(before.rows, outcome.rows))
+        words = [outcome.message] if outcome.failed else words
+        print(f"{'differs' if words else 'same':8} {case.key}", flush=True)
+        differ += [f"{case.key}: {each}" for each in words]
+    if not differ:
+        for case in others:
+            old = kept[case.key]
+            store(partial_path(folder, case), replace(old, sampled=case.key not in now))
+    for case in known:
+        if keep_times and re.search(again, case.key):
+            outcome = execute(case)
+            rows = with_times_of(kept[case.key].rows, outcome.rows)
+            store(partial_path(folder, case), replace(outcome, rows=rows, older_times=True))
+    return 0 if differ else len(others), differ
+
+
 def with_times_of(before: Sequence[Row], now: Sequence[Row]) -> list[Row]:
     """The rows ``now`` with the times of ``before``; as they are where their number differs."""
     if len(before) != len(now):
@@ -182,6 +221,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     parser.add_argument("study", nargs="+")
     parser.add_argument("--cases", type=int, default=30, help="how many (default %(default)s)")
     parser.add_argument("--sequences", action="store_true", help="one case of every sequence")
+    parser.add_argument("--again", metavar="PATTERN", help="cases that run again, not a sample")
     parser.add_argument("--keep-times", action="store_true", help="run those that differ at once")
     parser.add_argument("--longest", type=float, default=LONGEST, help="seconds of a case at most")
     given = parser.parse_args(argv)
@@ -190,7 +230,13 @@ def main(argv: Sequence[str] | None = None) -> int:
         try:
             require(given.cases >= 1, f"--cases {given.cases} must be 1 or more")
             study = importlib.import_module(f"studies.{name}").STUDY
-            if given.sequences:
+            if given.again is not None:
+                count, differ = keep_others(
+                    study, again=given.again, cases=given.cases, longest=given.longest,
+                    keep_times=given.keep_times,
+                )  # fmt: skip
+                print(f"{name}: {count} cases are kept; the rest runs with --resume")
+            elif given.sequences:
                 count, differ = keep_sequences(
                     study, longest=given.longest, keep_times=given.keep_times
                 )

@@ -12,6 +12,7 @@ from studies.engine import carry as module
 from studies.engine.carry import (
     carry,
     differences,
+    keep_others,
     keep_sequences,
     kept_outcomes,
     sample,
@@ -133,6 +134,38 @@ def test_one_case_of_a_sequence_keeps_it_for_resume(tmp_path, monkeypatch):
     keep_sequences(study, keep_times=True)
     found = [load(partial_path(folder, case)) for case in listed[3:]]
     assert all(outcome.older_times for outcome in found)
+
+
+def test_what_a_change_touches_runs_again_and_of_the_others_a_sample(tmp_path, monkeypatch):
+    listed = [
+        Case(f"order {order:g} 1/{n}", power_law, {"h": 1.0 / n, "law": Law(order)})
+        for order in (1.0, 2.0)
+        for n in (2, 4, 8)
+    ]
+    study = study_of(listed, tmp_path)
+    monkeypatch.setattr(
+        module, "parse", lambda study, given: type("Options", (), {"out": tmp_path})()
+    )
+    folder = tmp_path / "partial"
+    for case in listed:
+        store(partial_path(folder, case), execute(case))
+
+    def change(kept):
+        if kept["key"] in ("order 2 1/2", "order 1 1/8"):
+            kept["rows"][0]["error"] *= 1.0 + 1e-7
+
+    by_older_sources(folder, change)
+    # One of the others differs: none is kept.
+    count, differ = keep_others(study, again="order 2", cases=3)
+    assert count == 0
+    assert [each.split(":")[0] for each in differ] == ["order 1 1/8"]
+    assert not any(partial_path(folder, case).exists() for case in listed)
+    # None of these does.
+    assert keep_others(study, again="order 2|1/8", cases=1, keep_times=True) == (2, [])
+    found = [load(partial_path(folder, case)) for case in listed]
+    assert sum(outcome.sampled for outcome in found[:2]) == 1
+    assert all(outcome.older_times for outcome in found[2:])
+    assert found[3].rows == execute(listed[3]).rows
 
 
 def test_times_of_before_stay_with_the_rows_of_now():
