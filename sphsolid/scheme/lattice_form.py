@@ -32,7 +32,7 @@ from sphsolid.scheme.term import Term
 from sphsolid.scheme.time_step import STRETCH
 
 Array = NDArray[np.float64]
-_FREE = RestraintParts(0.0, 0.0, 0.0, 1.0)
+_FREE = RestraintParts(0.0, 0.0, 0.0, 0.0, 0.0, 1.0)
 
 
 def has_lattice_form(set_up: SetUp, terms: Sequence[Term], integrator: Integrator) -> bool:

@@ -31,10 +31,16 @@ from sphsolid.scheme.restraint_term import RestraintParts
 from sphsolid.scheme.set_up import SetUp
 from sphsolid.scheme.term import Term, TermOption
 
+#: What a pair is held by over the compressive stress on it.
+COMPRESSED = 0.4
+
 
 @dataclass(frozen=True)
 class Stiffness:
-    """A potential ``mu V_ab (quartic r_ab^4 / 4 + elastic r_ab^2 / 2)``."""
+    """A potential ``V_ab [mu (quartic r_ab^4 / 4 + elastic r_ab^2 / 2) + g r_ab^2 / 2]``.
+
+    ``g`` is ``compressed`` times what presses on a pair (``restraint_pairs``).
+    """
 
     @property
     def quartic(self) -> float:
@@ -44,6 +50,11 @@ class Stiffness:
     @property
     def elastic(self) -> float:
         """Over the shear modulus."""
+        return 0.0
+
+    @property
+    def compressed(self) -> float:
+        """Over the compressive stress; 0 where nothing acts."""
         return 0.0
 
     def __str__(self) -> str:
@@ -63,9 +74,11 @@ class Quartic(Stiffness):
     """
 
     c: float = 40.0
+    compressed: float = COMPRESSED
 
     def __post_init__(self) -> None:
         _check("Quartic: c", self.c)
+        _check_compressed(self)
 
     @property
     def quartic(self) -> float:
@@ -81,9 +94,11 @@ class Elastic(Stiffness):
     """``1/2 c mu V_ab r_ab^2``: acts in the linear limit too, on what is rough at a boundary."""
 
     c: float = 0.02
+    compressed: float = COMPRESSED
 
     def __post_init__(self) -> None:
         _check("Elastic: c", self.c)
+        _check_compressed(self)
 
     @property
     def elastic(self) -> float:
@@ -111,7 +126,7 @@ class Restraint(TermOption):
 
     def __post_init__(self) -> None:
         check_protocol(
-            "Restraint: stiffness", self.stiffness, ("quartic", "elastic"),
+            "Restraint: stiffness", self.stiffness, ("quartic", "elastic", "compressed"),
             "use Quartic(), Elastic() or NoStiffness()",
         )
         require(
@@ -136,10 +151,12 @@ class Restraint(TermOption):
     def parts(self, set_up: SetUp) -> RestraintParts:
         """The coefficients in SI units."""
         material = set_up.material
-        mu, _ = moduli_at_rest(material)
+        mu, kappa = moduli_at_rest(material)
         return RestraintParts(
             quartic=self.stiffness.quartic * mu,
             elastic=self.stiffness.elastic * mu,
+            pressed=self.stiffness.compressed * kappa,
+            sheared=self.stiffness.compressed * mu,
             viscosity=self.viscosity * material.density * reference_p_wave_speed(material),
             most=math.inf,
         )
@@ -148,6 +165,15 @@ class Restraint(TermOption):
         """One term: along the lines of a ``LatticeDifference``, of near pairs elsewhere."""
         made = LineRestraint if isinstance(set_up.cloud.kind, LatticeDifference) else PairRestraint
         return (made(self, self.parts(set_up), set_up),)
+
+
+def _check_compressed(stiffness: Quartic | Elastic) -> None:
+    share = stiffness.compressed
+    require(
+        isinstance(share, int | float) and 0.0 <= share < 10.0,
+        f"{type(stiffness).__name__}: compressed = {share!r} must be within [0, 10); "
+        f"{COMPRESSED} is the default",
+    )
 
 
 def _check(what: str, c: object) -> None:

@@ -3,11 +3,12 @@
 With ``F = (F_a + F_b) / 2``, ``L`` the mean of ``grad v`` and
 
     s_ab = d(F^T e)/dt = F^T (v_b - v_a - L X_ab) + L^T e,
-    t_ab = V_ab / |X|^2 mu (c_4 r^2 + c_2) e  +  V_ab / |X| c_v rho0 c_p F s,
-    w_ab = V_ab / |X| c_v rho0 c_p s,
+    t_ab = V_ab / |X|^2 (c_4 mu r^2 + c_2 mu + g(F)) e  +  V_ab / |X| c_v rho0 c_p F s,
+    w_ab = V_ab / |X| c_v rho0 c_p s,      g(F) = c_c [kappa (1 - J)_+ + mu (|F|^2 / 3 - J)_+],
 
-the virtual work is ``sum t . d(x_b - x_a - F X) + (e (x) w) : dF``.  So ``sum_b t_ab / V_a`` is
-added to the force of ``a``, and ``-1/(2 V_a) sum_b (t (x) X - e (x) w)`` to its stress.
+the virtual work is ``sum t . d(x_b - x_a - F X) + (e (x) w) : dF + 1/2 V_ab r^2 dg``.  So
+``sum_b t_ab / V_a`` is added to the force of ``a``, and to its stress
+``-1/(2 V_a) sum_b (t (x) X - e (x) w - 1/2 V_ab r^2 dg/dF)``.
 """
 
 from __future__ import annotations
@@ -20,7 +21,17 @@ from numpy.typing import NDArray
 from scipy.sparse import csr_array
 
 from sphsolid.compiled import inlined, kernel, prange
-from sphsolid.continuum.tensor import Tensor, Vector, add, axpy, load, scale, store
+from sphsolid.continuum.tensor import (
+    Tensor,
+    Vector,
+    add,
+    axpy,
+    cofactor,
+    determinant,
+    load,
+    scale,
+    store,
+)
 from sphsolid.fields import components, vector_field
 from sphsolid.geometry.edges import edges_of
 from sphsolid.geometry.mesh import Mesh
@@ -91,6 +102,24 @@ def mean_with(f: Any, A: Tensor, b: Any) -> Tensor:
     return scale(0.5, add(A, tensor_of(f, b)))
 
 
+@inlined
+def compression(parts: RestraintParts, F: Tensor) -> Any:
+    """``pressed (1 - J)_+ + sheared (|F|^2 / 3 - J)_+`` [Pa], and its derivative by ``F``."""
+    J, H = determinant(F), cofactor(F)
+    square = (
+        F[0] * F[0] + F[1] * F[1] + F[2] * F[2]
+        + F[3] * F[3] + F[4] * F[4] + F[5] * F[5]
+        + F[6] * F[6] + F[7] * F[7] + F[8] * F[8]
+    )  # fmt: skip
+    pressure, shear = 1.0 - J, square / 3.0 - J
+    pressed = parts.pressed if pressure > 0.0 else 0.0
+    sheared = parts.sheared if shear > 0.0 else 0.0
+    return (
+        pressed * pressure + sheared * shear,
+        axpy(-(pressed + sheared), H, scale(2.0 / 3.0 * sheared, F)),
+    )
+
+
 @kernel
 def restrain(near, parts, measured, direct, P):  # type: ignore[no-untyped-def]
     """``direct (3, .)`` [N/m^3] is written; the part through ``F`` is added to ``P`` [Pa]."""
@@ -108,8 +137,10 @@ def restrain(near, parts, measured, direct, P):  # type: ignore[no-untyped-def]
             e = unseen(F_m, X, apart(x, a, b))
             square = X[0] * X[0] + X[1] * X[1] + X[2] * X[2]
             r2 = (e[0] * e[0] + e[1] * e[1] + e[2] * e[2]) / square
-            c = near.volume[k] / square * (parts.quartic * r2 + parts.elastic)
+            held, slope = compression(parts, F_m)
+            c = near.volume[k] / square * (parts.quartic * r2 + parts.elastic + held)
             t0, t1, t2 = c * e[0], c * e[1], c * e[2]
+            S = axpy(-0.5 * near.volume[k] * r2, slope, S)
             if damped:
                 L_m = mean_with(L, L_a, b)
                 s = rate(F_m, L_m, unseen(L_m, X, apart(v, a, b)), e)
@@ -155,7 +186,9 @@ def energies(near, parts, measured, given, out):  # type: ignore[no-untyped-def]
             e = unseen(F_m, X, apart(x, a, b))
             square = X[0] * X[0] + X[1] * X[1] + X[2] * X[2]
             r2 = (e[0] * e[0] + e[1] * e[1] + e[2] * e[2]) / square
-            stored += near.volume[k] * (0.25 * parts.quartic * r2 + 0.5 * parts.elastic) * r2
+            held, _ = compression(parts, F_m)
+            half = 0.25 * parts.quartic * r2 + 0.5 * (parts.elastic + held)
+            stored += near.volume[k] * half * r2
             if damped:
                 L_m = mean_with(L, tensor_of(L, a), b)
                 s = rate(F_m, L_m, unseen(L_m, X, apart(v, a, b)), e)

@@ -37,13 +37,16 @@ MOST_STRETCHED = 0.36
 
 
 class RestraintParts(NamedTuple):
-    """``quartic`` and ``elastic`` stiffness [Pa], ``viscosity`` [kg/(m^2 s)].
+    """``quartic``, ``elastic``, ``pressed`` and ``sheared`` stiffness [Pa], ``viscosity``
+    [kg/(m^2 s)].
 
     ``most``: the square of a stretch from which on the viscosity is less (``viscous_share``).
     """
 
     quartic: float
     elastic: float
+    pressed: float
+    sheared: float
     viscosity: float
     most: float
 

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-import gzip
 import json
+import lzma
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -16,7 +16,7 @@ from studies.engine.case import write_atomically
 
 Tables = Mapping[str, pd.DataFrame]
 #: Bytes of text above which a table is kept compressed.
-LONG = 200_000
+LONG = 80_000
 
 
 @dataclass(frozen=True)
@@ -57,28 +57,27 @@ def read_results(command: str, out: Path) -> Results:
 def write_table(table: pd.DataFrame, folder: Path, name: str) -> Path:
     """Write a table whole or not at all, floats with ten digits; gives its file.
 
-    A long one, more than :data:`LONG` bytes of text, is compressed: ``name.csv.gz``, equal bytes
+    A long one, more than :data:`LONG` bytes of text, is compressed: ``name.csv.xz``, equal bytes
     for equal tables.  It has the seven digits of a float of 32 bits, more than figures show.
     """
-    plain, packed = (folder / f"{name}.csv{suffix}" for suffix in ("", ".gz"))
+    plain, packed = (folder / f"{name}.csv{suffix}" for suffix in ("", ".xz"))
     text, path, other = table.to_csv(index=False, float_format="%.10g"), plain, packed
     if len(text) > LONG:
         text = table.to_csv(index=False, float_format="%.7g")
         path, other = packed, plain
-    # No time and no file name enter the header.
-    write_atomically(path, gzip.compress(text.encode(), mtime=0) if path is packed else text)
+    write_atomically(path, lzma.compress(text.encode()) if path is packed else text)
     other.unlink(missing_ok=True)
     return path
 
 
 def read_table(folder: Path, name: str) -> pd.DataFrame:
     """A table that :func:`write_table` wrote; raises ``InputError`` where there is none, or two."""
-    found = [path for path in (folder / f"{name}.csv", folder / f"{name}.csv.gz") if path.exists()]
+    found = [path for path in (folder / f"{name}.csv", folder / f"{name}.csv.xz") if path.exists()]
     if not found:
         raise InputError(f"{folder} has no table {name}.csv: run the study again")
     if len(found) > 1:
         raise InputError(
-            f"{folder} has {name}.csv and {name}.csv.gz, one of them of an earlier run: delete it"
+            f"{folder} has {name}.csv and {name}.csv.xz, one of them of an earlier run: delete it"
         )
     try:
         return pd.read_csv(found[0], keep_default_na=False, na_values=["", "nan"])

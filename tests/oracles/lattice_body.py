@@ -17,7 +17,7 @@ from sphsolid.scheme import lattice_force as lattice
 from sphsolid.scheme.restraint_term import RestraintParts
 
 SOLID = sph.NeoHookean.from_young(young_modulus=1.7e7, poisson_ratio=0.45, density=1100.0)
-NONE = RestraintParts(0.0, 0.0, 0.0, math.inf)
+NONE = RestraintParts(0.0, 0.0, 0.0, 0.0, 0.0, math.inf)
 SIDES = (1.0, 1.2, 1.5)
 
 

@@ -15,9 +15,9 @@ from sphsolid.continuum.wave_speed import GROWN
 from sphsolid.scheme.restraint_term import RestraintParts
 from tests.oracles.lattice_body import NONE, SOLID, LatticeBody
 
-SPRING = RestraintParts(0.05 * SOLID.mu, 0.02 * SOLID.mu, 0.0, math.inf)
-DASHPOT = RestraintParts(0.0, 0.0, 0.01 * 1100.0 * 50.0, math.inf)
-ALL = RestraintParts(0.05 * SOLID.mu, 0.02 * SOLID.mu, 0.01 * 1100.0 * 50.0, math.inf)
+SPRING = RestraintParts(0.05 * SOLID.mu, 0.02 * SOLID.mu, 0.0, 0.0, 0.0, math.inf)
+DASHPOT = RestraintParts(0.0, 0.0, 0.0, 0.0, 0.01 * 1100.0 * 50.0, math.inf)
+ALL = RestraintParts(0.05 * SOLID.mu, 0.02 * SOLID.mu, 0.0, 0.0, 0.01 * 1100.0 * 50.0, math.inf)
 BETA = 0.3 * SOLID.mu
 #: Long axes, and short ones whose rows are dense or whose restraint is the second difference.
 BODIES = {

@@ -86,7 +86,11 @@ def case(request):
     return CASES[request.param]
 
 
-@pytest.mark.parametrize("stiffness", [sph.Quartic(), sph.Elastic(0.1)], ids=["quartic", "elastic"])
+@pytest.mark.parametrize(
+    "stiffness",
+    [sph.Quartic(), sph.Elastic(0.1, compressed=0.0), sph.Quartic(compressed=9.0)],
+    ids=["quartic", "elastic", "compressed"],
+)
 def test_the_stiffness_is_that_of_a_potential(case, stiffness):
     body, options = case
     made = Body(body, sph.Restraint(stiffness=stiffness), **options)

@@ -430,7 +430,7 @@ def test_the_start_of_a_worker_is_not_taken_for_its_pace():
 def test_a_long_table_is_compressed_and_read_back_the_same(tmp_path):
     long = pd.DataFrame({"x": np.linspace(0.0, 1.0, 30_000), "name": "a"})
     path = write_table(long, tmp_path, "history")
-    assert path.name == "history.csv.gz"
+    assert path.name == "history.csv.xz"
     first = path.read_bytes()
     assert len(first) < 150_000
     write_table(long, tmp_path, "history")
@@ -443,12 +443,12 @@ def test_a_long_table_is_compressed_and_read_back_the_same(tmp_path):
     with pytest.raises(InputError, match=r"no table spectrum\.csv"):
         read_table(tmp_path, "spectrum")
     path.write_bytes(first)
-    with pytest.raises(InputError, match=r"history\.csv and history\.csv\.gz, one of them"):
+    with pytest.raises(InputError, match=r"history\.csv and history\.csv\.xz, one of them"):
         read_table(tmp_path, "history")
 
 
 def test_no_report_has_a_table_in_two_forms():
-    packed = sorted((ROOT / "reports").glob("*/*.csv.gz"))
+    packed = sorted((ROOT / "reports").glob("*/*.csv.xz"))
     assert packed
     assert [each for each in packed if each.with_suffix("").exists()] == []
 
