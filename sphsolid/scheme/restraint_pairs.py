@@ -210,6 +210,9 @@ class PairRestraint(RestraintTerm):
         super().__init__(options, parts, set_up)
         cloud = set_up.cloud
         self._near = near = near_pairs(cloud.mesh, cloud.X, cloud.V)
+        share = options.stiffness.compressed
+        if share > 0.0:
+            self.form += f", with {share:g} of the stress that presses on them"
         self._direct = vector_field(cloud.size)
         self._energies = np.zeros((cloud.size, 2))
         first = near.indptr.astype(np.int64)
