@@ -1,15 +1,17 @@
 """The parts of the default, each varied alone: ``python -m studies.restraint``.
 
 How stiff and how viscous the restraint is, and which Jacobian the volumetric energy sees, on
-columns, a punch, a free vibration and the cube with a known solution.
+columns, a punch, a free vibration and the cube with a known solution.  What stiffens pairs under
+pressure acts off lattices: it is varied on a pressed cube and on one with a known solution.
 """
 
 from __future__ import annotations
 
 import argparse
+import itertools
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -19,6 +21,7 @@ from matplotlib.figure import Figure
 
 import sphsolid as sph
 from sphsolid.errors import Diverged
+from sphsolid.scenes import Box, Constraint, Scene
 from sphsolid.scheme.term import TermOption
 from studies.engine.plotting import panels
 from studies.engine.study import Case, Claim, Results, Row, Study, Tables, run_study
@@ -32,6 +35,12 @@ from studies.stability.waves import vibration
 STIFFNESSES = (10.0, 20.0, 40.0, 80.0, 200.0, 800.0)
 VISCOSITIES = (0.0, 0.005, 0.01, 0.02, 0.04)
 HELD = (0.1, 1.0, 100.0)
+COMPRESSED = (0.0, 0.1, 0.2, 0.4, 0.8)
+#: What presses on a cube of disordered particles, over the shear modulus, and its discretisation.
+PRESSURES = (2.0, 4.0, 8.0)
+PRESSED_BODY, PRESSED_SPACING, PRESSED_STEPS = Box(jitter=0.3), 0.2, 200
+#: Cells a metre of the disordered cube with a known solution.
+DISORDERED_BODY, DISORDERED = Box(jitter=0.4), (8, 16)
 #: A factor in the stiffness over which nothing needs to be tuned.
 ASKED_RANGE = 20.0
 #: Cells a metre of the cube and of the block that vibrates.
@@ -80,6 +89,14 @@ def variants() -> dict[tuple[str, str], Method]:
     return made | {key: PACKAGE.but(dilatation=option) for key, option in dilatations.items()}
 
 
+def off_lattices() -> dict[str, Method]:
+    """By the share of the compressive stress that stiffens a pair."""
+    return {
+        f"{c:g}": PACKAGE.but(stabilisation=sph.Restraint(stiffness=sph.Quartic(compressed=c)))
+        for c in COMPRESSED
+    }
+
+
 #: The default's own value of each part.
 DEFAULT = {"stiffness": "40", "viscosity": "0.02", "dilatation": "order 2"}
 
@@ -99,7 +116,41 @@ def cases(options: argparse.Namespace) -> Sequence[Case]:
                 Case(f"vibration nu {nu:g}: {part} {value}", run_vibration, named | {"nu": nu})
             )
             listed.append(Case(f"cube nu {nu:g}: {part} {value}", run_cube, named | {"nu": nu}))
+    for value, method in off_lattices().items():
+        named = {"part": "compressed", "value": value, "method": method}
+        for pressure in PRESSURES[-1:] if options.quick else PRESSURES:
+            key = f"pressed by {pressure:g} mu: compressed {value}"
+            listed.append(Case(key, run_pressed, named | {"pressure": pressure}))
+        for nu, cells in () if options.quick else itertools.product(NUS, DISORDERED):
+            key = f"disordered cube nu {nu:g}: compressed {value}, {cells}"
+            listed.append(
+                Case(key, run_cube, named | {"nu": nu, "cells": cells, "body": DISORDERED_BODY})
+            )
     return listed
+
+
+def run_pressed(*, part: str, value: str, method: Method, pressure: float) -> list[Row]:
+    """What is left of the kinetic energy of noise in a nearly incompressible cube that is held."""
+    rubber = sph.NeoHookean.from_young(young_modulus=1.0e6, poisson_ratio=0.495, density=1000.0)
+    side = (1.0 - pressure * rubber.mu / rubber.kappa) ** (1.0 / 3.0)
+    held = tuple(Constraint(f"{axis}{end}", "normal") for axis in "XYZ" for end in "-+")
+    sim = method.simulation(
+        Scene(
+            "pressed", PRESSED_BODY, rubber, 1.0,
+            initial_displacement=lambda X: X * (side - 1.0),
+            initial_velocity=lambda X: 1.0e-6 * np.random.default_rng(0).normal(size=X.shape),
+            constraints=held,
+        ),
+        spacing=PRESSED_SPACING,
+    )  # fmt: skip
+    row: Row = {"kind": "pressed", "part": part, "value": value, "pressure": pressure}
+    start = sim.snapshot().kinetic_energy
+    try:
+        for _ in range(PRESSED_STEPS):
+            sim.advance(sim.stable_time_step())
+    except Diverged:
+        return [row | {"kept": math.inf}]
+    return [row | {"kept": sim.snapshot().kinetic_energy / start}]
 
 
 def run_hard(*, part: str, value: str, method: Method, problem: str) -> list[Row]:
@@ -115,10 +166,13 @@ def run_vibration(*, part: str, value: str, method: Method, nu: float) -> list[R
     return [row | {"kind": "vibration", "part": part, "value": value}]
 
 
-def run_cube(*, part: str, value: str, method: Method, nu: float) -> list[Row]:
+def run_cube(
+    *, part: str, value: str, method: Method, nu: float, cells: int = CUBE, body: Box | None = None
+) -> list[Row]:
     """Errors at large strain over one period, with a wave that begins moving."""
     scene = cube_scene(MOVING[1], "A+B+C=0", poisson_ratio=nu)
-    sim = method.simulation(scene, spacing=1.0 / CUBE)
+    scene = scene if body is None else replace(scene, body=body)
+    sim = method.simulation(scene, spacing=1.0 / cells)
     try:
         errors = period_errors_of(sim)
     except Diverged:
@@ -130,7 +184,8 @@ def run_cube(*, part: str, value: str, method: Method, nu: float) -> list[Row]:
         )
         for field in ("p", "P")
     }
-    named = {"kind": "cube", "part": part, "value": value, "nu": nu}
+    kind = "cube" if body is None else "disordered"
+    named = {"kind": kind, "part": part, "value": value, "nu": nu, "cells": cells}
     return [named | found | folding.folding(sim)]
 
 
@@ -139,7 +194,8 @@ HARD_COLUMNS = [
     "noise", "answer", "steps",
 ]  # fmt: skip
 VIBRATION_COLUMNS = ["part", "value", "nu", "frequency_error", "damping_ratio", "energy_left"]
-CUBE_COLUMNS = ["part", "value", "nu", "error_p", "error_P", *folding.COLUMNS]
+CUBE_COLUMNS = ["part", "value", "nu", "cells", "error_p", "error_P", *folding.COLUMNS]
+PRESSED_COLUMNS = ["value", "pressure", "kept"]
 
 
 def tables(rows: list[Row]) -> Tables:
@@ -172,7 +228,10 @@ def tables(rows: list[Row]) -> Tables:
                 f"error_P_{nu:g}": cube["error_P"].mean(),
             }  # fmt: skip
         summary.append(row)
-    return {"table": pd.DataFrame(summary), "hard": hard, "vibration": waves, "cube": cubes}
+    return {
+        "table": pd.DataFrame(summary), "hard": hard, "vibration": waves, "cube": cubes,
+        "pressed": of("pressed", PRESSED_COLUMNS), "disordered": of("disordered", CUBE_COLUMNS),
+    }  # fmt: skip
 
 
 def claims(tables: Tables) -> list[Claim]:
@@ -201,6 +260,17 @@ def claims(tables: Tables) -> list[Claim]:
             row = rows.iloc[0]
             what = f"sound runs of {row['runs']} with {part} {value}"
             found.append(Claim(what, float(row["sound"]), where=row["not_sound"], format=".0f"))
+    pressed = tables["pressed"]
+    for value in (f"{sph.Quartic().compressed:g}", "0"):
+        rows = pressed[pressed["value"] == value]
+        if len(rows):
+            row = rows.loc[rows["kept"].idxmax()]
+            what = "kinetic energy of noise that a pressed cube of disordered particles"
+            claim = Claim(
+                f"{what} keeps, compressed = {value}", float(row["kept"]),
+                where=f"{row['pressure']:g} mu",
+            )  # fmt: skip
+            found.append(claim if value == "0" else replace(claim, comparison="<=", asked=1.0))
     return found
 
 

@@ -23,8 +23,22 @@ def test_the_default_is_among_the_variants_of_each_part() -> None:
 
 def test_every_variant_meets_every_problem() -> None:
     listed = restraint.cases(argparse.Namespace(quick=False))
-    assert len(listed) == len(restraint.variants()) * (len(restraint.HARD) + 2 * len(restraint.NUS))
+    lattices = len(restraint.variants()) * (len(restraint.HARD) + 2 * len(restraint.NUS))
+    each = len(restraint.PRESSURES) + len(restraint.NUS) * len(restraint.DISORDERED)
+    assert len(listed) == lattices + len(restraint.COMPRESSED) * each
     assert len({case.key for case in listed}) == len(listed)
+
+
+def test_the_default_holds_a_pressed_cube_that_is_lost_without() -> None:
+    default = f"{sph.Quartic().compressed:g}"
+    rows = []
+    for value in ("0", default):
+        method = restraint.off_lattices()[value]
+        rows += restraint.run_pressed(part="compressed", value=value, method=method, pressure=4.0)
+    held, lost = restraint.claims(restraint.tables([*rows, row("10", True), row("40", True)]))[-2:]
+    assert (held.verdict, lost.verdict) == ("met", "reported")
+    assert lost.measured > 1e4 > 1.0 > held.measured
+    assert default in restraint.off_lattices()
 
 
 def row(value: str, sound: bool, problem: str = "a", part: str = "stiffness") -> dict:
