@@ -27,7 +27,7 @@ from studies.engine.plotting import panels
 from studies.engine.study import Case, Claim, Results, Row, Study, Tables, run_study
 from studies.measures import folding
 from studies.measures.swinging_cube import MOVING, cube_scene, period_errors_of
-from studies.methods import PACKAGE, Method
+from studies.methods import PACKAGE, SUPG, Method
 from studies.stability.hard_problems import Column, Problem, Punch
 from studies.stability.waves import vibration
 
@@ -116,12 +116,13 @@ def cases(options: argparse.Namespace) -> Sequence[Case]:
                 Case(f"vibration nu {nu:g}: {part} {value}", run_vibration, named | {"nu": nu})
             )
             listed.append(Case(f"cube nu {nu:g}: {part} {value}", run_cube, named | {"nu": nu}))
-    for value, method in off_lattices().items():
+    for value, method in (off_lattices() | {SUPG.name: SUPG}).items():
         named = {"part": "compressed", "value": value, "method": method}
         for pressure in PRESSURES[-1:] if options.quick else PRESSURES:
             key = f"pressed by {pressure:g} mu: compressed {value}"
             listed.append(Case(key, run_pressed, named | {"pressure": pressure}))
-        for nu, cells in () if options.quick else itertools.product(NUS, DISORDERED):
+        known = not options.quick and method is not SUPG
+        for nu, cells in itertools.product(NUS, DISORDERED) if known else ():
             key = f"disordered cube nu {nu:g}: compressed {value}, {cells}"
             listed.append(
                 Case(key, run_cube, named | {"nu": nu, "cells": cells, "body": DISORDERED_BODY})

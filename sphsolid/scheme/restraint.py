@@ -39,7 +39,8 @@ COMPRESSED = 0.4
 class Stiffness:
     """A potential ``V_ab [mu (quartic r_ab^4 / 4 + elastic r_ab^2 / 2) + g r_ab^2 / 2]``.
 
-    ``g`` is ``compressed`` times what presses on a pair (``restraint_pairs``).
+    ``g`` is ``compressed`` times what presses on a pair; lines of a lattice have none of it
+    (``restraint_pairs``).
     """
 
     @property

@@ -9,6 +9,11 @@ With ``F = (F_a + F_b) / 2``, ``L`` the mean of ``grad v`` and
 the virtual work is ``sum t . d(x_b - x_a - F X) + (e (x) w) : dF + 1/2 V_ab r^2 dg``.  So
 ``sum_b t_ab / V_a`` is added to the force of ``a``, and to its stress
 ``-1/(2 V_a) sum_b (t (x) X - e (x) w - 1/2 V_ab r^2 dg/dF)``.
+
+``g`` is what presses on the pair.  The sum of Jacobians over particles depends on more than the
+boundary: it sees the rotations of a fine motion and may miss its strains.  Under pressure a
+rotation alone gains energy, which ``g`` outweighs.  On the lines of a box differences commute, and
+it is not needed.
 """
 
 from __future__ import annotations

@@ -242,3 +242,6 @@ def test_what_makes_no_sense_is_refused():
         sph.Restraint(viscosity=-0.1)
     with pytest.raises(InputError, match="positive"):
         sph.Quartic(-1.0)
+    for wrong in (-0.1, "much", 10.0):
+        with pytest.raises(InputError, match=r"compressed = .* within \[0, 10\)"):
+            sph.Elastic(compressed=wrong)

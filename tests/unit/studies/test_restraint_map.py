@@ -25,7 +25,7 @@ def test_every_variant_meets_every_problem() -> None:
     listed = restraint.cases(argparse.Namespace(quick=False))
     lattices = len(restraint.variants()) * (len(restraint.HARD) + 2 * len(restraint.NUS))
     each = len(restraint.PRESSURES) + len(restraint.NUS) * len(restraint.DISORDERED)
-    assert len(listed) == lattices + len(restraint.COMPRESSED) * each
+    assert len(listed) == lattices + len(restraint.COMPRESSED) * each + len(restraint.PRESSURES)
     assert len({case.key for case in listed}) == len(listed)
 
 
