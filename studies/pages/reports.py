@@ -108,7 +108,11 @@ class Reports:
     def knows_default(self, name: str) -> bool:
         """True where "package default" is what it is now in the report of that study."""
         table = self[name].table("table", "method")
-        return table is not None and bool(table["method"].str.startswith(SUPG.name).any())
+        if table is not None:
+            return bool(table["method"].str.startswith(SUPG.name).any())
+        # Clouds name their operators; the default is one of these rows where it was run so.
+        table = self[name].table("table", "operator")
+        return table is not None and bool(table["operator"].str.startswith(PACKAGE.name).any())
 
     @property
     def counts(self) -> pd.DataFrame:
