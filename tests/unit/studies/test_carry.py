@@ -103,7 +103,8 @@ def by_older_sources(folder, change):
         path.unlink()
 
 
-def test_one_case_of_a_sequence_keeps_it_for_resume(tmp_path, monkeypatch):
+def two_sequences(tmp_path, monkeypatch):
+    """A study of two sequences of three cases each, all of them run and kept in a folder."""
     listed = [
         Case(f"order {order:g} 1/{n}", power_law, {"h": 1.0 / n, "law": Law(order)})
         for order in (1.0, 2.0)
@@ -116,6 +117,11 @@ def test_one_case_of_a_sequence_keeps_it_for_resume(tmp_path, monkeypatch):
     folder = tmp_path / "partial"
     for case in listed:
         store(partial_path(folder, case), execute(case))
+    return study, listed, folder
+
+
+def test_one_case_of_a_sequence_keeps_it_for_resume(tmp_path, monkeypatch):
+    study, listed, folder = two_sequences(tmp_path, monkeypatch)
 
     def change(kept):
         if kept["key"].startswith("order 2"):
@@ -137,18 +143,7 @@ def test_one_case_of_a_sequence_keeps_it_for_resume(tmp_path, monkeypatch):
 
 
 def test_what_a_change_touches_runs_again_and_of_the_others_a_sample(tmp_path, monkeypatch):
-    listed = [
-        Case(f"order {order:g} 1/{n}", power_law, {"h": 1.0 / n, "law": Law(order)})
-        for order in (1.0, 2.0)
-        for n in (2, 4, 8)
-    ]
-    study = study_of(listed, tmp_path)
-    monkeypatch.setattr(
-        module, "parse", lambda study, given: type("Options", (), {"out": tmp_path})()
-    )
-    folder = tmp_path / "partial"
-    for case in listed:
-        store(partial_path(folder, case), execute(case))
+    study, listed, folder = two_sequences(tmp_path, monkeypatch)
 
     def change(kept):
         if kept["key"] in ("order 2 1/2", "order 1 1/8"):
