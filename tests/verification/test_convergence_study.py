@@ -42,7 +42,7 @@ def results(out: Path) -> Results:
 
 def test_the_study_writes_what_it_promises(out: Path) -> None:
     for name in (
-        "table.csv", "orders.csv", "summary.csv", "claims.csv", "convergence.png",
+        "table.csv.xz", "orders.csv", "summary.csv", "claims.csv", "convergence.png",
         "figures/convergence.pdf", "figures/incompressible.pdf", "report.pdf", "run.json",
     ):  # fmt: skip
         assert (out / name).stat().st_size > 0, name

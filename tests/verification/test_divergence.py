@@ -23,7 +23,10 @@ TOO_FAST = {
 @pytest.mark.parametrize("case", list(TOO_FAST))
 def test_a_step_ten_times_too_long_is_reported(case: str, formulation: Any) -> None:
     scene, spacing = TOO_FAST[case]
-    sim = sph.Simulation(scene, spacing=spacing, cfl=3.0, formulation=formulation)
+    # A viscosity has a limit of its own, which would make the step no longer than a stable one.
+    bare = {"stabilisation": sph.Restraint(viscosity=0.0)}
+    options = bare if formulation == sph.Displacement() else {}
+    sim = sph.Simulation(scene, spacing=spacing, cfl=3.0, formulation=formulation, **options)
     first = sim.stable_time_step()
     with pytest.raises(sph.Diverged) as caught:
         sim.run(until=100.0 * first, every=2.0 * first, record=[Energy()])
