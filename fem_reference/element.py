@@ -12,10 +12,13 @@ from fem_reference.load_shapes import LoadShapes
 from sphsolid.continuum import law
 from sphsolid.continuum.tensor import axpy, cofactor, determinant, join, split
 from sphsolid.continuum.wave_speed import THINNEST
+from sphsolid.errors import InputError
 from sphsolid.geometry.mesh import Mesh
 from sphsolid.protocols import check_protocol
 
 Array = NDArray[np.float64]
+#: No force of anything.
+_UNWRITTEN = 1.234e300
 
 
 @dataclass(frozen=True)
@@ -136,6 +139,26 @@ class Element(Protocol):
         The mesh has hexahedra, or what an attribute ``cells`` of the option makes of them.
         """
         ...
+
+
+def check_elements(name: str, made: object) -> None:
+    """Raise ``InputError`` unless ``made`` keeps the protocol of :class:`Elements`."""
+    check_protocol(
+        f"what discretise() of element {name} returned", made,
+        [each for each in vars(Elements) if not each.startswith("_")],
+        "derive it from BBarHexElements, or see docs/how_to_add/element.md",
+    )
+
+
+def refuse_unwritten_force(name: str, elements: Elements, x: Array) -> None:
+    """Raise ``InputError`` where ``internal_force`` hands forces out in place of writing them."""
+    force = np.full_like(x, _UNWRITTEN)
+    made: object = elements.internal_force(x, force)  # type: ignore[func-returns-value]
+    if made is not None or (force == _UNWRITTEN).any():
+        raise InputError(
+            f"element {name}: internal_force(x, force) must write the forces of all nodes into "
+            f"force and return nothing; it returned {type(made).__name__}"
+        )
 
 
 def check_element(element: object) -> None:

@@ -16,7 +16,13 @@ from skfem import MeshHex, MeshTet
 from fem_reference.b_bar_hex import BBarHex
 from fem_reference.cell_tables import Hexahedra
 from fem_reference.central_difference import Motion, central_difference_step
-from fem_reference.element import Element, check_element, volumetric_energy
+from fem_reference.element import (
+    Element,
+    check_element,
+    check_elements,
+    refuse_unwritten_force,
+    volumetric_energy,
+)
 from fem_reference.energy_budget import NoBudget, StepBudget
 from fem_reference.essential import EssentialConditions
 from fem_reference.loads import loads_of, nodal_force
@@ -24,7 +30,7 @@ from fem_reference.updates import divide_by_mass
 from sphsolid.compiled import threads
 from sphsolid.continuum import law, reference_p_wave_speed
 from sphsolid.continuum.check_law import check_first_use
-from sphsolid.errors import Diverged, require
+from sphsolid.errors import Diverged, InputError, require
 from sphsolid.geometry.body import AS_MESHED, AsMeshed, Spacing
 from sphsolid.geometry.mesh import Mesh, read_only
 from sphsolid.record import Snapshot
@@ -92,6 +98,10 @@ class Simulation(BaseSimulation):
         edge = spacing if isinstance(spacing, AsMeshed) else element.cell_size(spacing)
         # An element that does not say so has hexahedra.
         kind = getattr(element, "cells", HEXAHEDRA)
+        require(
+            hasattr(kind, "meshes"),
+            f"element {element.name}: cells = {kind!r} are none; use Hexahedra() or Tetrahedra()",
+        )
         mesh, sk = kind.meshes(scene.body.mesh(edge), f"element = {element.name}")
         check_probes(scene, mesh)
         self._discretise(mesh, sk)
@@ -100,6 +110,7 @@ class Simulation(BaseSimulation):
     def _discretise(self, mesh: Mesh, sk: MeshHex | MeshTet) -> None:
         """Elements, loads and constraints on ``mesh``."""
         self._elements = self.element.discretise(mesh=mesh, sk=sk, material=self.material)
+        check_elements(self.element.name, self._elements)
         self._take_points(self._elements.mesh, self._elements.nodal_volumes)
         self._loads = loads_of(self.scene, sk, self._elements.load_shapes)
         self._essential = EssentialConditions.of(self.scene.constraints, self._elements.mesh)
@@ -114,6 +125,7 @@ class Simulation(BaseSimulation):
         displacement, velocity = scene.initial_state(X)
         self._motion_now = Motion(X + displacement, velocity.copy(), np.empty_like(X))
         self._essential.apply(self._motion_now.v, 0.0)
+        refuse_unwritten_force(self.element.name, self._elements, self._motion_now.x)
         self._accelerate(self._motion_now.x, 0.0, self._motion_now.a)
         folded = self._elements.invalid_element()
         require(
@@ -146,7 +158,13 @@ class Simulation(BaseSimulation):
         when the state is invalid.
         """
         self._check()
-        return self.cfl * self._elements.smallest_length() / self._wave_speed
+        length = self._elements.smallest_length()
+        if not 0.0 < length < math.inf:
+            raise InputError(
+                f"element {self.element.name}: smallest_length() returned {length!r}; wanted is a "
+                "finite length above 0 m"
+            )
+        return self.cfl * length / self._wave_speed
 
     def advance(self, dt: float) -> None:
         """One central-difference step of ``dt`` [s]; raises ``Diverged`` when ``J <= 0`` or nan."""

@@ -37,7 +37,7 @@ from sphsolid.scheme.energy_budget import StageBudget
 from sphsolid.scheme.formulation import Formulation
 from sphsolid.scheme.initial_state import initial_state
 from sphsolid.scheme.initial_strain import Compatible, InitialStrain
-from sphsolid.scheme.integrator import Integrator
+from sphsolid.scheme.integrator import Integrator, stepper_of
 from sphsolid.scheme.intrinsic_time import Units
 from sphsolid.scheme.lattice_form import LatticeRightHandSide, has_lattice_form
 from sphsolid.scheme.pair_sums import PairSums
@@ -107,7 +107,9 @@ class Simulation(BaseSimulation):
         self._state = initial_state(scene, self._rhs, self.initial_strain)
         #: The stable step [s] of the state as it is; nan where nobody has asked for it yet.
         self._allowed = math.nan
-        self._stepper = self.integrator.stepper(self._rhs, self._state, self._rhs.essential)
+        self._stepper = stepper_of(
+            self.integrator, self._rhs, self._state, self._rhs.essential
+        )
         self._time_step = TimeStep(
             cfl=method.cfl,
             h_min=self._shortest_length(),
@@ -167,7 +169,7 @@ class Simulation(BaseSimulation):
         resolved = 2.0 * reference_p_wave_speed(self.material)
         restrained = any(map(is_restraint, (self.stabilisation, *self.terms)))
         if is_displacement_form(self.formulation) and restrained:
-            omega = displacement_frequency(self._rhs)
+            omega = displacement_frequency(self._rhs, self._state)
             return resolved / omega if omega > 0.0 else self.cloud.h_min
         if self.cloud.mesh.is_lattice and not hasattr(self.operator, "layout"):
             return self.cloud.h_min
@@ -185,7 +187,7 @@ class Simulation(BaseSimulation):
         branch._set_up = self._set_up.again(branch._made_set_up())
         branch._rhs = rhs = branch._right_hand_side()
         branch._state = rhs.zeros()
-        branch._stepper = self.integrator.stepper(rhs, branch._state, rhs.essential)
+        branch._stepper = stepper_of(self.integrator, rhs, branch._state, rhs.essential)
         branch._budget = NotOpened()
         branch.positions = copy.copy(self.positions)
         branch._running_since = None

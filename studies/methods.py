@@ -10,15 +10,16 @@ A new method is one entry in :data:`METHODS`.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import inspect
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, fields, replace
-from typing import Any, Protocol
+from typing import Any, ClassVar, Protocol
 
 import fem_reference as fem
 import sphsolid as sph
 from sphsolid.cloud.secondary import default_secondary
 from sphsolid.defaults import default_supg
-from sphsolid.errors import InputError
+from sphsolid.errors import InputError, nearest
 from sphsolid.geometry.body import Spacing
 from sphsolid.recommendation import recommend_supg
 from sphsolid.record import Solver
@@ -89,6 +90,7 @@ class Particles:
         Raises ``InputError`` where there is no SUPG to change.
         """
         terms = {each.name for each in fields(sph.SUPG)}
+        _refuse_unknown(changes, sph.Simulation, terms)
         supg = {name: value for name, value in changes.items() if name in terms}
         options = {name: value for name, value in changes.items() if name not in terms}
         made = _merged(self.options, options)
@@ -112,13 +114,15 @@ class Elements:
 
     options: tuple[tuple[str, Any], ...] = ()
     edge: int = 1
+    solver: ClassVar[Callable[..., Solver]] = fem.Simulation
 
     def build(self, scene: Scene, spacing: Spacing) -> Solver:
         """A simulation with nodes ``spacing`` [m] apart."""
-        return fem.Simulation(scene, spacing=spacing, **dict(self.options))
+        return type(self).solver(scene, spacing=spacing, **dict(self.options))
 
     def but(self, changes: Mapping[str, Any]) -> Elements:
-        """Other options of ``fem_reference.Simulation``."""
+        """Other options of the solver; raises ``InputError`` for one that there is not."""
+        _refuse_unknown(changes, type(self).solver)
         return replace(self, options=_merged(self.options, changes))
 
 
@@ -126,18 +130,26 @@ class Elements:
 class MixedElements(Elements):
     """``fem_reference.MixedSimulation`` with ``options``."""
 
-    def build(self, scene: Scene, spacing: Spacing) -> fem.MixedSimulation:
-        """A simulation with nodes ``spacing`` [m] apart."""
-        return fem.MixedSimulation(scene, spacing=spacing, **dict(self.options))
+    solver: ClassVar[Callable[..., Solver]] = fem.MixedSimulation
 
 
 @dataclass(frozen=True)
 class FiniteVolumes(Elements):
-    """``fem_reference.FiniteVolumeSimulation`` with ``options``."""
+    """``fem_reference.FiniteVolumeSimulation`` with ``options``; ``spacing`` is that of cells."""
 
-    def build(self, scene: Scene, spacing: Spacing) -> fem.FiniteVolumeSimulation:
-        """A simulation with cells ``spacing`` [m] wide."""
-        return fem.FiniteVolumeSimulation(scene, spacing=spacing, **dict(self.options))
+    solver: ClassVar[Callable[..., Solver]] = fem.FiniteVolumeSimulation
+
+
+def _refuse_unknown(
+    changes: Mapping[str, Any], solver: Callable[..., Any], others: Collection[str] = ()
+) -> None:
+    known = [*inspect.signature(solver).parameters, *others]
+    for name in changes:
+        if name not in known:
+            raise InputError(
+                f"{name} is no option of a method{nearest(name, known)}; there are "
+                f"{', '.join(sorted(known))}"
+            )
 
 
 def _merged(

@@ -8,9 +8,11 @@ something else than the reports.
 
 from __future__ import annotations
 
+import argparse
 import math
 import re
 import sys
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -185,8 +187,10 @@ def made(root: Path = ROOT) -> dict[Path, str]:
     }
 
 
-def main(root: Path = ROOT) -> int:
+def main(argv: Sequence[str] | None = None, root: Path = ROOT) -> int:
     """Rewrite them in place."""
+    parser = argparse.ArgumentParser(prog="python -m studies.readme_table", description=__doc__)
+    parser.parse_args(argv)
     try:
         texts: dict[Path, Any] = made(root)
         for path, text in texts.items():

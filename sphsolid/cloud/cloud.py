@@ -18,7 +18,14 @@ from sphsolid.cloud.gradient import (
 )
 from sphsolid.cloud.lengths import Lengths, lengths_of, refuse_long_cells
 from sphsolid.cloud.loaded_areas import loaded_areas
-from sphsolid.cloud.operator import Gradients, Ingredients, Layout, OperatorKind
+from sphsolid.cloud.operator import (
+    Gradients,
+    Ingredients,
+    Layout,
+    OperatorKind,
+    refuse_wrong_gradients,
+    refuse_wrong_layout,
+)
 from sphsolid.cloud.operator_cache import gradients_of
 from sphsolid.cloud.pairs.neighbours import PairList, transposed
 from sphsolid.cloud.pairs.pair_operator import PairOperator, expanded, pair_operators
@@ -227,7 +234,9 @@ def build_cloud(
     areas = (
         np.sum(list(by_tag.values()), axis=0) if by_tag else area_vectors(mesh, mesh.boundary)
     )
-    gradients = gradients_of(operator, Ingredients(mesh, V, areas, pairs, smoothing, lengths))
+    ingredients = Ingredients(mesh, V, areas, pairs, smoothing, lengths)
+    gradients = gradients_of(operator, ingredients)
+    refuse_wrong_gradients(operator, gradients, ingredients)
     columns = [gradients.kinematic]
     if not gradients.is_adjoint:
         columns.append(gradients.force)
@@ -247,7 +256,9 @@ def _layout(
 ) -> tuple[Layout, int]:
     """Volumes and pairs, and how many pairs within the support see nothing of each other."""
     if hasattr(operator, "layout"):
-        return operator.layout(mesh), 0
+        made = operator.layout(mesh)
+        refuse_wrong_layout(operator, made, mesh)
+        return made, 0
     X, V = mesh.vertices, vertex_volumes(mesh)
     within = lengths.pairs(X, X, smoothing.support)
     refuse_long_cells(mesh, lengths, smoothing.support, within)

@@ -9,7 +9,7 @@ too, which is what second order needs where particles are not on a lattice.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import ClassVar, Protocol
+from typing import Any, ClassVar, Protocol
 from typing import Literal as OneOf
 
 import numpy as np
@@ -98,6 +98,43 @@ class Layout:
     volumes: Array
     areas: dict[str, Array]
     pairs: PairList
+
+
+def refuse_wrong_gradients(operator: OperatorKind, made: object, cloud: Ingredients) -> None:
+    """Raise ``InputError`` unless ``made`` are gradients on the pairs of ``cloud``."""
+    if not isinstance(made, Gradients):
+        raise InputError(
+            f"{operator.name}.build returned {type(made).__name__}; wanted is "
+            "Gradients(kinematic, force, areas) of sphsolid.cloud.operator"
+        )
+    pairs, particles = len(cloud.pairs.indices), len(cloud.volumes)
+    for name, rows in (("kinematic", pairs), ("force", pairs), ("areas", particles)):
+        _check_rows(f"{operator.name}.build: {name}", getattr(made, name), rows, 3)
+
+
+def refuse_wrong_layout(operator: OperatorKind, made: object, mesh: Mesh) -> None:
+    """Raise ``InputError`` unless ``made`` is a layout on the vertices of ``mesh``."""
+    if not isinstance(made, Layout) or not isinstance(made.pairs, PairList):
+        raise InputError(
+            f"{operator.name}.layout returned {type(made).__name__}; wanted is "
+            "Layout(volumes, areas, pairs) of sphsolid.cloud.operator, its pairs a PairList"
+        )
+    size = len(mesh.vertices)
+    _check_rows(f"{operator.name}.layout: volumes", made.volumes, size)
+    require(
+        bool(np.all(made.volumes > 0.0)),
+        f"{operator.name}.layout: volumes must be positive, the least is {np.min(made.volumes):g}",
+    )
+    for tag, area in made.areas.items():
+        _check_rows(f"{operator.name}.layout: areas of {tag!r}", area, size, 3)
+
+
+def _check_rows(what: str, values: Any, *shape: int) -> None:
+    found = np.shape(values)
+    require(found == shape, f"{what} has the shape {found}; wanted is {shape}")
+    bad = ~np.isfinite(np.asarray(values, dtype=np.float64)).reshape(shape[0], -1).all(axis=1)
+    worst = f"{np.sum(bad)} rows, the first {np.argmax(bad)}"
+    require(not bad.any(), f"{what} is not finite in {worst}")
 
 
 class OperatorKind(Protocol):

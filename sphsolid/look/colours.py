@@ -16,7 +16,7 @@ from matplotlib.cm import ScalarMappable
 from matplotlib.colors import Normalize
 from matplotlib.ticker import FixedLocator, FuncFormatter
 
-from sphsolid.errors import require
+from sphsolid.errors import InputError, require
 from sphsolid.look.frame import Frame, Shot
 from sphsolid.look.percentiles import weighted_percentile
 from sphsolid.look.scalars import CELL, scalar
@@ -52,11 +52,14 @@ _ARROWS = {(False, False): "neither", (True, False): "min", (False, True): "max"
 
 
 def look_of(field: str) -> FieldLook:
-    """How a field is shown; raises ``InputError`` for one that is none."""
+    """How a field is shown; that of a user's own term under its name alone."""
     if field in LOOKS:
         return LOOKS[field]
     name = field.removeprefix(CELL)
-    what = scalar(name)
+    try:
+        what = scalar(name)
+    except InputError:
+        return FieldLook(name, "", "viridis", 0.0, diverging=False)
     if what.is_size:
         label, unit = _VECTORS[what.base]
         return FieldLook(f"{label}\n|{name}|", unit, "viridis", 0.0, diverging=False)

@@ -73,7 +73,7 @@ def comparison(
     require(len(given) >= 2, f"compare: {len(given)} runs were given; it takes two or more")
     runs = [run_of(each) for each in given]
     names = _labels(runs, labels)
-    shown = CELL + field if scalar(field).is_of_law else field
+    shown = CELL + field if scalar(field, runs[0].snapshot.further).is_of_law else field
     grid = [
         [take_shot(run.snapshot, _folded_over(name), fields=[shown])
          for run, name in zip(runs, names, strict=True)]

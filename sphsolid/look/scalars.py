@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Mapping
 from dataclasses import dataclass
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -12,7 +14,7 @@ from numpy.typing import NDArray
 from sphsolid.errors import InputError, nearest
 from sphsolid.geometry.mesh import Mesh
 from sphsolid.look.cell_means import cell_means_at_vertices
-from sphsolid.record.snapshot import HasFields, PointField, at_vertices
+from sphsolid.record.snapshot import HasFurther, PointField, at_vertices
 
 Array = NDArray[np.float64]
 #: Before the name of a field: its means over cells, carried to the vertices.
@@ -45,8 +47,21 @@ class Scalar:
         return self.base not in VECTORS
 
 
-def scalar(name: str) -> Scalar:
-    """What ``name`` stands for; raises ``InputError`` with the names there are."""
+#: The fields of a snapshot beside those that every one has: none.
+NONE_FURTHER: Mapping[str, Array] = MappingProxyType({})
+
+
+def scalar(name: str, further: Mapping[str, Array] = NONE_FURTHER) -> Scalar:
+    """What ``name`` stands for; raises ``InputError`` with the names there are.
+
+    ``further`` are fields of a user's own terms ``(n, ...)`` by name.
+    """
+    for base, values in further.items():
+        axes = values.ndim - 1
+        if name == base and axes < 2:
+            return Scalar(name, is_size=axes == 1)
+        if name.startswith(f"{base}_") and re.fullmatch(f"[xyz]{{{axes}}}", name[len(base) + 1 :]):
+            return Scalar(base, tuple(map("xyz".index, name[len(base) + 1 :])))
     if name in SCALARS:
         return Scalar(name)
     if name in VECTORS:
@@ -55,7 +70,7 @@ def scalar(name: str) -> Scalar:
         base = found[1] or found[3]
         return Scalar(base, tuple("xyz".index(axis) for axis in found.groups()[1:] if axis in
                                   ("x", "y", "z")))  # fmt: skip
-    known = [*SCALARS, *VECTORS]
+    known = [*SCALARS, *VECTORS, *further]
     hint = nearest(name, [*known, "u_x", "v_x", "p_x", "cauchy_xx", "P_xx", "F_xx"])
     raise InputError(
         f"there is no picture of a field {name!r}{hint}; choose one of {', '.join(known)} (of "
@@ -84,9 +99,9 @@ class _Reduced:
         return PointField(found.X, found.V, self.what.of(found.values))
 
 
-def values_at_vertices(snapshot: HasFields, name: str) -> Array:
+def values_at_vertices(snapshot: HasFurther, name: str) -> Array:
     """``name`` at the vertices ``(N,)``; with :data:`CELL` before it, means over cells."""
-    reduced = _Reduced(snapshot, scalar(name.removeprefix(CELL)))
+    reduced = _Reduced(snapshot, scalar(name.removeprefix(CELL), snapshot.further))
     if name.startswith(CELL):
         return cell_means_at_vertices(reduced, name)
     return at_vertices(reduced, name)

@@ -65,6 +65,11 @@ def checked_row(recorder: object, made: object, row: Row) -> Row:
                 f"returned {_short(value)} for its column {name!r}; wanted is one number"
             )
         found[name] = float(scalar)
+        before = row.get(name, found[name])
+        if not (before == found[name] or np.isnan(before) or np.isnan(found[name])):
+            raise refused(
+                f"has a column {name!r}, as a recorder before it, with another number; rename one"
+            )
     return found
 
 

@@ -230,6 +230,15 @@ class HasFields(Protocol):
         ...
 
 
+class HasFurther(HasFields, Protocol):
+    """One that says which fields it has beside the usual."""
+
+    @property
+    def further(self) -> Mapping[str, Array]:
+        """Fields of a user's own terms at the vertices, by name."""
+        ...
+
+
 def at_vertices(snapshot: HasFields, name: str) -> Array:
     """A field at the primary points ``(N, ...)``; cell values are averaged by volume."""
     found = snapshot.field(name)

@@ -24,10 +24,12 @@ from sphsolid.record.placement import (
 )
 from sphsolid.record.showing import look
 from sphsolid.record.snapshot import PointField, at_vertices
+from sphsolid.record.vtu import LAW_FIELDS, POINT_FIELDS
 
 Array = NDArray[np.float64]
 _SHAPES = {HEXAHEDRON.vtk: (HexMesh, HEXAHEDRON), TETRAHEDRON.vtk: (TetMesh, TETRAHEDRON)}
-_TENSORS = ("F", "P", "cauchy")
+#: What every frame has; other fields are those of a user's own terms.
+_USUAL = ("X", *POINT_FIELDS, *LAW_FIELDS)
 
 
 @dataclass(frozen=True)
@@ -53,6 +55,11 @@ class StoredSnapshot:
     def X(self) -> Array:
         """Positions ``(N, 3)`` [m] of the undeformed body."""
         return self.mesh.vertices
+
+    @property
+    def further(self) -> dict[str, Array]:
+        """Fields of a user's own terms ``(N, ...)``, by name."""
+        return {name: each for name, each in self.points.items() if name not in _USUAL}
 
     def field(self, name: str) -> PointField:
         """A field of the file and its points; raises ``InputError`` for one that it lacks."""
@@ -127,11 +134,11 @@ def read_frame(path: str | Path) -> StoredSnapshot:
         ),
         cell_X=centres,
         cell_V=V,
-        points={name: _shaped(name, each) for name, each in found.point_data.items()},
-        cells={name: _shaped(name, each[0]) for name, each in found.cell_data.items()},
+        points={name: _shaped(each) for name, each in found.point_data.items()},
+        cells={name: _shaped(each[0]) for name, each in found.cell_data.items()},
     )
 
 
-def _shaped(name: str, values: Any) -> Array:
+def _shaped(values: Any) -> Array:
     made = np.asarray(values, dtype=np.float64)
-    return made.reshape(-1, 3, 3) if name in _TENSORS else made
+    return made.reshape(-1, 3, 3) if made.ndim == 2 and made.shape[1] == 9 else made

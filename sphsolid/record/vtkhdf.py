@@ -65,6 +65,16 @@ OF_LAW = (
 )
 
 
+def stored_of(snapshot: Snapshot) -> tuple[Stored, ...]:
+    """The fields of a file: those of every run, and those of a user's own terms."""
+    own = (_of_term(name, values.shape[1:]) for name, values in snapshot.further.items())
+    return (*AT_POINTS, *OF_LAW, *own)
+
+
+def _of_term(name: str, shape: tuple[int, ...]) -> Stored:
+    return Stored(name, name, math.prod(shape), "", "a field of a term")
+
+
 class VtkHdfFile:
     """Appends the records of one run to ``path``.
 
@@ -107,7 +117,7 @@ class VtkHdfFile:
 
     def _first_room(self, snapshot: Snapshot) -> int:
         size = 24 * len(snapshot.X) + 4 * sum(
-            each.width * len(snapshot.field(each.field).X) for each in (*AT_POINTS, *OF_LAW)
+            each.width * len(snapshot.field(each.field).X) for each in stored_of(snapshot)
         )
         return max(min(self._expected, _MOST // max(1, size)), _LEAST)
 
@@ -147,6 +157,7 @@ class _Body:
     cells: NDArray[np.int64]
     kind: int
     in_cells: frozenset[str]
+    fields: tuple[Stored, ...]
 
     @classmethod
     def of(cls, snapshot: Snapshot) -> _Body:
@@ -154,7 +165,7 @@ class _Body:
         mesh, X = snapshot.mesh, snapshot.X
         kind = _VTK_HEXAHEDRON if mesh.shape is HEXAHEDRON else _VTK_TETRA
         inside = {each.name for each in OF_LAW if not snapshot.field(each.field).is_at(X)}
-        return cls(snapshot.X, mesh.cells, kind, frozenset(inside))
+        return cls(snapshot.X, mesh.cells, kind, frozenset(inside), stored_of(snapshot))
 
     @classmethod
     def read(cls, file: Any) -> _Body:
@@ -162,7 +173,13 @@ class _Body:
         root = file[GROUP]
         kind, count = int(root["Types"][0]), len(root["Types"])
         cells = root["Connectivity"][...].reshape(count, -1)
-        return cls(root["PointData/X"][...], cells, kind, frozenset(root["CellData"]))
+        X, usual = root["PointData/X"][...], (*AT_POINTS, *OF_LAW)
+        names = {"X", *(each.name for each in usual)}
+        own = (
+            _of_term(name, array.shape[1:])
+            for name, array in root["PointData"].items() if name not in names
+        )  # fmt: skip
+        return cls(X, cells, kind, frozenset(root["CellData"]), (*usual, *own))
 
     def place(self, name: str) -> tuple[str, int]:
         """The group of a field and its rows a record."""
@@ -204,7 +221,7 @@ def _create(file: Any, body: _Body, room: int) -> None:
     root["PointData/X"] = np.ascontiguousarray(body.X, dtype=np.float64)
     _say(root["PointData/X"], "m", "positions in the undeformed body")
     steps["PointDataOffsets/X"] = np.zeros(room, dtype=np.int64)
-    for each in (*AT_POINTS, *OF_LAW):
+    for each in body.fields:
         group, rows = body.place(each.name)
         shape = (room * rows,) if each.width == 1 else (room * rows, each.width)
         _say(_array(root[group], each.name, shape, np.float32), each.unit, each.says)
@@ -241,7 +258,7 @@ def _write(file: Any, snapshot: Snapshot, record: int) -> None:
     """The values of a record into their places."""
     root, N = file[GROUP], len(snapshot.X)
     _put(root["Points"], snapshot.x, record)
-    for each in (*AT_POINTS, *OF_LAW):
+    for each in stored_of(snapshot):
         values = snapshot.field(each.field).values
         group = "PointData" if len(values) == N else "CellData"
         # A field on its way to divergence may exceed single precision: infinite there, no warning.
@@ -274,7 +291,7 @@ def _copy(old: Any, new: Any, *, records: int, room: int) -> None:
     body = _Body.read(old)
     _create(new, body, room)
     arrays = [(f"{GROUP}/Points", len(body.X))]
-    for each in (*AT_POINTS, *OF_LAW):
+    for each in body.fields:
         group, rows = body.place(each.name)
         arrays.append((f"{GROUP}/{group}/{each.name}", rows))
     for name, rows in [*arrays, ("sphsolid/step", 1)]:

@@ -28,10 +28,10 @@ def write_vtu(snapshot: Snapshot, path: str | Path) -> None:
     Points: ``X, u`` [m], ``v`` [m/s], ``p`` [kg/(m^2 s)], three components each.  ``F``, ``P`` and
     ``cauchy`` [Pa] (nine components, row by row), ``J``, ``pressure`` and ``von_mises`` [Pa] stand
     where the method evaluates the law: at the points for particles, in the cells for finite
-    elements.  Field data ``TimeValue`` [s], ``step`` and ``pressure_is_positive_in_tension``, 1:
-    the sign of ``pressure``, for whoever has only the file.  The file is whole or not there; an
-    older one is replaced.  Raises ``InputError`` for another suffix than ``.vtu`` or a folder that
-    does not exist.
+    elements.  Fields of a user's own terms stand at the points.  Field data ``TimeValue`` [s],
+    ``step`` and ``pressure_is_positive_in_tension``, 1: the sign of ``pressure``, for whoever has
+    only the file.  The file is whole or not there; an older one is replaced.  Raises
+    ``InputError`` for another suffix than ``.vtu`` or a folder that does not exist.
     """
     target = path_of(path)
     if target.suffix != ".vtu":
@@ -43,6 +43,7 @@ def write_vtu(snapshot: Snapshot, path: str | Path) -> None:
     at_points = snapshot.field(LAW_FIELDS[0]).is_at(snapshot.X)
     if at_points:
         points |= law
+    points |= snapshot.further
     mesh = meshio.Mesh(
         np.ascontiguousarray(snapshot.x),
         # meshio and VTK number the corners of a cell as ``cell_shape`` does.

@@ -103,14 +103,34 @@ def vertex_normals(mesh: Mesh, face: str) -> list[tuple[NDArray[np.int64], Array
 def essential_parts(constraints: tuple[Constraint, ...], mesh: Mesh) -> list[EssentialPart]:
     """Projectors of every constraint; a later one only adds directions still free at a particle.
 
-    A tag that goes round a sharp edge is as if each of its sides had a tag.
+    A tag that goes round a sharp edge is as if each of its sides had a tag.  Raises ``InputError``
+    for a motion that nothing is left of: constraints before it have taken all of its directions.
     """
     taken = np.zeros((len(mesh.vertices), 3, 3))
-    return [
-        part_of(constraint, *side, taken)
-        for constraint in constraints
-        for side in vertex_normals(mesh, constraint.face)
-    ]
+    parts = list[EssentialPart]()
+    for constraint in constraints:
+        sides = vertex_normals(mesh, constraint.face)
+        added = [part_of(constraint, *side, taken) for side in sides]
+        if not any(np.any(part.projector) for part in added):
+            _refuse_motion_left_out(constraint, added, parts)
+        parts += added
+    return parts
+
+
+def _refuse_motion_left_out(
+    constraint: Constraint, added: list[EssentialPart], before: list[EssentialPart]
+) -> None:
+    """Two that hold a region still may overlap; two motions, or one and a hold, may not."""
+    own = np.concatenate([part.particles for part in added])
+    others = [part for part in before if np.any(np.isin(part.particles, own))]
+    moving = {part.face for part in others if not part.is_fixed}
+    if isinstance(constraint.velocity, Fixed) and not moving:
+        return
+    raise InputError(
+        f"constraint on {constraint.face!r}, {constraint.direction!r}: constraints before it, on "
+        f"{', '.join(sorted({part.face for part in others}))}, prescribe all of its directions, so "
+        "that nothing of it would be done; leave one of them out, or put this one first"
+    )
 
 
 def part_of(

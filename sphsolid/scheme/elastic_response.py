@@ -11,7 +11,7 @@ from sphsolid.continuum.moduli import first_lame
 from sphsolid.continuum.tensor import Tensor, join, split
 from sphsolid.continuum.wave_speed import moduli_at_rest
 from sphsolid.scheme.right_hand_side import RightHandSide
-from sphsolid.scheme.state import Field
+from sphsolid.scheme.state import Field, State
 
 Array = NDArray[np.float64]
 #: Iterations of the power method; on disordered clouds 40 come within some per cent.
@@ -72,20 +72,26 @@ def highest_frequency(rhs: RightHandSide) -> float:
     return math.sqrt(omega2)
 
 
-def displacement_frequency(rhs: RightHandSide) -> float:
+def displacement_frequency(rhs: RightHandSide, start: State) -> float:
     """The same of the displacement form with all of its terms, of the forces themselves.
 
-    ``K u`` is the force of a displacement that is small beside the spacing: what a filter takes
-    from the pressure, or a restraint adds, counts.
+    The fields of the terms are those of ``start``.
+
+    ``K u`` is the force that a displacement adds, small beside the spacing: what a filter takes
+    from the pressure, or a restraint adds, counts, and what a term does to a body at rest does not.
     """
     X, V = rhs.set_up.cloud.X, rhs.set_up.cloud.V[:, None]
     mass, state = rhs.material.density * V, rhs.zeros()
     step = _SHARE * rhs.set_up.cloud.h_min
+    for name in start:
+        state[name][...] = start[name]
+    state.p[:], state.x[:] = 0.0, X
+    at_rest = rhs.free_force(state).copy()
 
     def force(u: Array) -> Array:
         scale = step / float(np.max(np.abs(u)))
         state.x[:] = X + scale * u
-        return np.asarray(V * rhs.free_force(state) / scale)
+        return np.asarray(V * (rhs.free_force(state) - at_rest) / scale)
 
     # As above: what a random pressure does, which turns and mirrors with the body.
     response = ElasticResponse(rhs)

@@ -28,6 +28,7 @@ from sphsolid.continuum.tensor import axpy, cofactor, contract, determinant, loa
 from sphsolid.scheme.boundary import EssentialConditions
 from sphsolid.scheme.right_hand_side import RightHandSide
 from sphsolid.scheme.state import Field, State
+from sphsolid.scheme.term import powers_of
 
 Array = NDArray[np.float64]
 #: Works that every run has; those of its terms follow them in :attr:`StageBudget.works`.
@@ -141,7 +142,7 @@ class StageBudget:
         stage = replace(
             rhs.stage, state=state, x=geometry, arms=rhs.operator.arms(geometry), t=t
         )
-        powers = [power for term in rhs.terms for power in term.powers(stage)]
+        powers = [power for term in rhs.terms for power in powers_of(term, stage)]
         self.works[len(TERMS) :] += dt * np.array(powers)
         if not rhs.operator.is_adjoint:
             rhs.operator.force_gradient(v, 1.0, self._L_f)
@@ -182,22 +183,34 @@ class StageBudget:
     def impose(
         self, essential: EssentialConditions, state: State, t: float, weight: float
     ) -> None:
-        """Impose the essential conditions; ``weight`` of the jump of ``p`` ends in the step."""
+        """Impose the essential conditions; ``weight`` of the jump of ``p`` ends in the step.
+
+        Its impulses are added here, at the positions of the stage, and its work by
+        :meth:`accelerate`.
+        """
         held = essential.particles
         before = state.p[held]
         essential.impose(state.p, t)
         if len(held):
-            p = state.p[held]
-            jump = weight * self._V[held, None] * (p - before)
-            self._react(jump, p / self._rhs.material.density, state.x[held])
+            self._push(weight * self._V[held, None] * (state.p[held] - before), state.x[held])
 
     def accelerate(self, p_start: Array, state: State, dt: float) -> None:
-        """Add to the reactions what moves the constrained particles faster than ``p_start``."""
-        held = self._rhs.essential.particles
-        gained = (state.p[held] - p_start[held]) / dt
-        self._rhs.reaction += self._rhs.essential.constrained(gained)
+        """What moves the constrained particles faster than ``p_start``, at the end of a step.
+
+        Its work is that of the mean velocity of the step: the change of their kinetic energy,
+        whatever the stages went through.
+        """
+        rhs, held = self._rhs, self._rhs.essential.particles
+        if len(held):
+            gained = rhs.essential.constrained(state.p[held] - p_start[held])
+            rhs.reaction += gained / dt
+            mean = 0.5 * (p_start[held] + state.p[held]) / rhs.material.density
+            self.works[2] += np.sum(self._V[held, None] * gained * mean)
 
     def _react(self, impulse: Array, v: Array, x: Array) -> None:
         self.works[2] += np.sum(impulse * v)
+        self._push(impulse, x)
+
+    def _push(self, impulse: Array, x: Array) -> None:
         self.reaction += impulse
         self.constraint += _moments(impulse, x)

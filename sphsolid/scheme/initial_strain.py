@@ -46,6 +46,12 @@ class Start:
         invalid = np.flatnonzero(~(detF > 0.0))
         if len(invalid):
             a = int(invalid[0])
+            if np.array_equal(self.x, X) and not self.scene.states_deformation:
+                raise InputError(
+                    f"operator {self.rhs.set_up.cloud.kind.name}: det F = {detF[a]:.3g} of the "
+                    f"undeformed body at particle {a}, X = {X[a].tolist()} m; its gradient must "
+                    "give F = I there: sum_b G_b = 0 and sum_b X_b (x) G_b = I"
+                )
             raise InputError(
                 f"scene {self.scene.name!r}: the initial state is inside out or not finite at "
                 f"{len(invalid)} of {len(X)} particles, the first {a} at X = "

@@ -52,6 +52,18 @@ class Integrator(Protocol):
         ...
 
 
+def stepper_of(
+    integrator: Integrator, rhs: RightHandSide, state: State, essential: EssentialConditions
+) -> Stepper:
+    """The stepper of ``integrator``; raises ``InputError`` for what cannot step."""
+    made = integrator.stepper(rhs, state, essential)
+    check_protocol(
+        f"what stepper() of {integrator.name} returned", made, ("advance", "budget"),
+        "see docs/how_to_add/integrator.md",
+    )
+    return made
+
+
 def check_integrator(integrator: object) -> None:
     """Raise ``InputError`` unless ``integrator`` keeps the protocol."""
     check_protocol(

@@ -13,7 +13,7 @@ from sphsolid.scheme.intrinsic_time import Units
 from sphsolid.scheme.set_up import SetUp
 from sphsolid.scheme.stage import Stage
 from sphsolid.scheme.state import Field, State
-from sphsolid.scheme.term import Term
+from sphsolid.scheme.term import Term, step_of
 from sphsolid.scheme.tile import make_scratch
 from sphsolid.scheme.time_step import STRETCH, take_stretches
 
@@ -51,6 +51,10 @@ class RightHandSide:
         self.P_galerkin = self.P
         self.reaction = np.zeros((len(self.essential.particles), 3))
         self._scratch = make_scratch()
+        #: Rates of the terms' own fields: nothing but the terms sets them.
+        self._rates_of_terms = [
+            self.rates[name] for name in self.evolved if name not in ("p", "F", "H", "J")
+        ]
         wanted = self.projects and any(term.needs_projected_rate for term in terms)
         rate = Field("L_C", "tensor")
         self._projected_rate = operator.zeros(rate) if wanted else tensor_field(
@@ -83,7 +87,7 @@ class RightHandSide:
 
     def largest_step(self, state: State) -> float:
         """What the terms allow [s]; infinite where none has a limit of its own."""
-        return min((term.largest_step(state) for term in self.terms), default=np.inf)
+        return min((step_of(term, state) for term in self.terms), default=np.inf)
 
     def kinematic_gradient(self, f: Array, factor: float, out: Array) -> None:
         """``out_a = factor sum_b f_b (x) G_b(X_a)`` with the kinematic gradient."""
@@ -132,8 +136,7 @@ class RightHandSide:
         for term in self.terms:
             term.add_stress(stage)
         operator.internal_force(self.P, rates.p)
-        for term in self.terms:
-            term.add_rates(stage)
+        self._add_rates(stage)
         self.essential.release(rates.p)
         return rates.p
 
@@ -175,8 +178,13 @@ class RightHandSide:
         operator.internal_force(self.P, rates.p)
         if self.loads.any:
             rates.p += self.loads.at(t)[0]
-        for term in self.terms:
-            term.add_rates(stage)
+        self._add_rates(stage)
         self.essential.reaction(rates.p, self.reaction)
         self.essential.release(rates.p)
         return rates
+
+    def _add_rates(self, stage: Stage) -> None:
+        for rate in self._rates_of_terms:
+            rate[...] = 0.0
+        for term in self.terms:
+            term.add_rates(stage)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Literal as OneOf
-from typing import NamedTuple
+from typing import NamedTuple, get_args
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,6 +28,17 @@ class Field:
     name: str
     kind: Kind = "scalar"
     evolved: bool = True
+
+    def __post_init__(self) -> None:
+        """Refuse a name that is none and an unknown kind."""
+        require(
+            isinstance(self.name, str) and self.name.isidentifier(),
+            f"Field: name = {self.name!r} must be a word of letters, digits and _",
+        )
+        require(
+            self.kind in get_args(Kind),
+            f"Field({self.name!r}): kind = {self.kind!r} is not one of {', '.join(get_args(Kind))}",
+        )
 
 
 class Rows(NamedTuple):
@@ -89,6 +100,12 @@ class State(Mapping[str, Array]):
 
     def __getitem__(self, name: str) -> Array:
         return self._fields[name]
+
+    def __setitem__(self, name: str, value: Array) -> None:
+        # As with attributes: state["T"] += ... writes into the array that others hold.
+        field = self._fields[name]
+        if value is not field:
+            field[...] = value
 
     def __iter__(self) -> Iterator[str]:
         return iter(self._fields)

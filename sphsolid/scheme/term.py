@@ -15,7 +15,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sphsolid.cloud.cloud import Secondary
-from sphsolid.protocols import check_protocol
+from sphsolid.errors import InputError, require
+from sphsolid.protocols import check_protocol, members
+from sphsolid.scenes.checks import as_float
 from sphsolid.scheme.formulation import Formulation
 from sphsolid.scheme.intrinsic_time import Units
 from sphsolid.scheme.set_up import SetUp
@@ -115,17 +117,49 @@ def check_term_option(what: str, option: object, advice: str) -> None:
         f"{advice}, or derive your own from sphsolid.scheme.TermOption "
         "(docs/how_to_add/term.md)",
     )
+    name, fields = option.name, option.fields  # type: ignore[attr-defined]
+    require(isinstance(name, str), f"{what} = {option!r}: its name {name!r} is no text")
+    members(f"fields of {name}", fields, Field)
 
 
 def terms_of(options: Sequence[TermOption], set_up: SetUp) -> tuple[Term, ...]:
     """The terms of all ``options``, in order; raises ``InputError`` for one that is no term."""
-    made = tuple(term for option in options for term in option.terms(set_up))
+    made = list[Term]()
+    for option in options:
+        given = option.terms(set_up)
+        require(
+            isinstance(given, list | tuple),
+            f"{option.name}: terms() returned {given!r}; wanted is a tuple of terms: (Term(...),)",
+        )
+        made += given
     for term in made:
         check_protocol(
             "term", term, _HOOKS,
             "derive it from sphsolid.scheme.Term, where every hook does nothing",
         )
-    return made
+    return tuple(made)
+
+
+def step_of(term: Term, state: State) -> float:
+    """:meth:`Term.largest_step`, positive; raises ``InputError`` for anything else."""
+    step = as_float(term.largest_step(state))
+    if not isinstance(step, float) or not step > 0.0:
+        raise InputError(
+            f"{type(term).__name__}.largest_step returned {step!r}; wanted is a time above 0 s, or "
+            "math.inf where the term sets no limit"
+        )
+    return step
+
+
+def powers_of(term: Term, stage: Stage) -> tuple[float, ...]:
+    """:meth:`Term.powers`, one for each of its works; raises ``InputError`` for another number."""
+    powers = tuple(term.powers(stage))
+    if len(powers) != len(term.works):
+        raise InputError(
+            f"{type(term).__name__}.powers returned {len(powers)} numbers; its works are "
+            f"{list(term.works)}: return one power [W] for each"
+        )
+    return powers
 
 
 _HOOKS = tuple(name for name in vars(Term) if not name.startswith("_"))

@@ -7,9 +7,11 @@ studies.engine.carry`` runs some of its cases again and compares.
 
 from __future__ import annotations
 
+import argparse
 import importlib
 import json
 import sys
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -55,8 +57,10 @@ def _hash_of_study(name: str) -> str:
     return str(importlib.import_module(f"studies.{name}").STUDY.sources)
 
 
-def main() -> int:
+def main(argv: Sequence[str] | None = None) -> int:
     """Print the list; the exit status is 1 where a report is older than the code."""
+    parser = argparse.ArgumentParser(prog="python -m studies.engine.status", description=__doc__)
+    parser.parse_args(argv)
     found = status()
     print(found.to_string(index=False))
     return 0 if (found["status"] == CURRENT).all() else 1

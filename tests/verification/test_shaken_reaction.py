@@ -44,3 +44,25 @@ def test_the_reaction_is_the_rate_of_the_momentum(
         before = momentum
     off = np.abs(np.array(reactions) - np.array(rates))[10:]
     assert off.max() < within * np.abs(rates).max()
+
+
+@pytest.mark.parametrize("integrator", [sph.PositionVerlet(), sph.SSPRK3(), sph.TVDRK2()], ids=str)
+def test_the_work_of_a_motion_closes_the_budget_to_second_order(integrator: Any) -> None:
+    """Of a side that speeds up: its work is that of the mean velocity of a step."""
+
+    def pull(X: Any, t: float) -> Any:
+        return np.array([0.0, 0.0, 2.0 * np.sin(150.0 * t) ** 2]) + 0.0 * X
+
+    constraints = (Constraint("Z-", "all"), Constraint("Z+", "all", velocity=pull))
+    scene = Scene("pulled", Box(), LAW, 0.01, constraints=constraints)
+    left = []
+    for steps in (24, 48):
+        sim = sph.Simulation(scene, spacing=0.25, formulation=sph.PF(), integrator=integrator)
+        sim.track_budget()
+        for _ in range(steps):
+            sim.advance(0.01 / steps)
+        shot = sim.snapshot()
+        energy = shot.kinetic_energy + shot.strain_energy
+        left.append(abs(energy - sum(shot.budget.works.values())) / energy)
+    assert left[0] < 0.02
+    assert np.log2(left[0] / left[1]) > 1.8

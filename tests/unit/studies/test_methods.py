@@ -22,6 +22,12 @@ def test_the_default_is_what_a_user_gets() -> None:
     assert made.plan().splitlines()[1:] == own.plan().splitlines()[1:]
 
 
+@pytest.mark.parametrize("method", METHODS.values(), ids=lambda method: method.name)
+def test_an_option_that_is_none_is_refused_by_name(method) -> None:
+    with pytest.raises(sph.InputError, match=r"clf is no option of a method.*cfl"):
+        method.but(clf=0.5)
+
+
 @pytest.mark.parametrize("method", [PACKAGE, LATTICE[4]], ids=lambda method: method.name)
 def test_what_has_no_supg_has_no_times_to_change(method) -> None:
     with pytest.raises(sph.InputError, match=r"tau_p belong to sphsolid\.SUPG"):
