@@ -124,6 +124,8 @@ def _lines(path: Path) -> list[str]:
         text = path.read_text(encoding="utf-8")
     except FileNotFoundError:
         raise InputError(f"there is no history {path}") from None
+    except UnicodeDecodeError as damage:
+        raise InputError(f"{path} is no history of a run, or is damaged ({damage})") from None
     return [line for line in text.splitlines(keepends=True) if line.endswith("\n")]
 
 

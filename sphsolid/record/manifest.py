@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path, PurePosixPath
 
+from sphsolid.errors import InputError
 from sphsolid.record.atomic import PART
 
 NAME = "manifest.txt"
@@ -20,7 +21,13 @@ class Manifest:
         self.folder = folder
         self._path = folder / NAME
         self.exists = self._path.is_file()
-        text = self._path.read_text(encoding="utf-8") if self.exists else ""
+        try:
+            text = self._path.read_text(encoding="utf-8") if self.exists else ""
+        except UnicodeDecodeError as damage:
+            raise InputError(
+                f"{self._path} is no list of files, or is damaged ({damage}): which files of the "
+                "folder are those of a run is not known; move them, or choose another folder"
+            ) from None
         # A name that was cut short by a kill was never followed by its file.
         lines = [line[:-1] for line in text.splitlines(keepends=True) if line.endswith("\n")]
         self.names = {line for line in lines if _is_inside(line)}

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 import os
 from collections.abc import Iterable, Mapping
 from numbers import Real
@@ -91,6 +92,16 @@ def check_progress(progress: object) -> None:
             f"progress = {progress!r} is no object to be called; use ProgressLine() of "
             "sphsolid.record, or a function of one Progress"
         )
+    try:
+        if progress is not None:
+            inspect.signature(progress).bind(None)
+    except TypeError as failure:
+        raise InputError(
+            f"progress = {progress!r} is called with one Progress: {failure}"
+        ) from failure
+    except ValueError:
+        # A function of a library may not say what it takes.
+        return
 
 
 def check_output(output: object) -> None:

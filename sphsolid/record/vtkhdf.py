@@ -26,6 +26,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from sphsolid.errors import InputError
 from sphsolid.geometry.cell_shape import HEXAHEDRON
 from sphsolid.record.atomic import atomic
 from sphsolid.record.snapshot import Snapshot
@@ -85,10 +86,16 @@ class VtkHdfFile:
     def __init__(self, path: Path, *, expected: int, until_kept: float | None = None) -> None:
         self._path, self._expected = path, expected
         self._count = self._room = 0
-        if until_kept is not None and path.is_file():
-            self._count = sum(time <= until_kept for time, _ in steps_of(path))
-        if self._count:
-            self._resize(max(_LEAST, expected, self._count))
+        try:
+            if until_kept is not None and path.is_file():
+                self._count = sum(time <= until_kept for time, _ in steps_of(path))
+            if self._count:
+                self._resize(max(_LEAST, expected, self._count))
+        except (OSError, KeyError, ValueError) as damage:
+            raise InputError(
+                f"{path} is no file of records, or is damaged ({damage}); the run can go on "
+                "without it: move it away, or use replace=True"
+            ) from damage
 
     def append(self, snapshot: Snapshot) -> None:
         """Add a record; its number of points and cells is that of the first."""

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from sphsolid.errors import Diverged
+from sphsolid.errors import Diverged, InputError
 from sphsolid.geometry.mesh import Mesh, protected
 from sphsolid.record.budget import total_momentum
 from sphsolid.record.checkpoint import BUDGET, checkpoint_of, common_identity, rebuilt, restore
@@ -28,6 +28,7 @@ from sphsolid.record.samples import Sampler, Samples
 from sphsolid.record.snapshot import Snapshot
 from sphsolid.record.vtu import write_vtu
 from sphsolid.run.running_budget import NotOpened, RunningBudget, Works
+from sphsolid.scenes.hidden_memory import refuse_hidden_memory
 from sphsolid.scenes.scene import Scene
 
 Array = NDArray[np.float64]
@@ -59,6 +60,7 @@ class BaseSimulation(ABC):
 
     def _take_points(self, mesh: Mesh, V: Array) -> None:
         """``mesh`` whose vertices are the points of the method, with volumes ``V (N,)`` [m^3]."""
+        refuse_hidden_memory(self.scene, mesh)
         self._points, self._volumes = mesh, V
         self._sampler = Sampler(self.scene, mesh)
         # One object for all snapshots, so that what is made for it can be kept.
@@ -143,7 +145,7 @@ class BaseSimulation(ABC):
                 self, until=until, every=every, record=record, progress=progress, output=output
             )
             return self.history
-        except (Diverged, KeyboardInterrupt) as stopped:
+        except (Diverged, InputError, KeyboardInterrupt) as stopped:
             self.history = getattr(stopped, "history", self.history)
             raise
         finally:

@@ -6,6 +6,8 @@ With ``F = (F_a + F_b) / 2``, ``L`` the mean of ``grad v`` and
     t_ab = V_ab / |X|^2 (c_4 mu r^2 + c_2 mu + g(F)) e  +  V_ab / |X| c_v rho0 c_p F s,
     w_ab = V_ab / |X| c_v rho0 c_p s,      g(F) = c_c [kappa (1 - J)_+ + mu (|F|^2 / 3 - J)_+],
 
+    (x)_+ = 0 for x <= 0,  x^2 / (2 w) up to w,  x - w/2 from there; w is 0.01 mu of stress,
+
 the virtual work is ``sum t . d(x_b - x_a - F X) + (e (x) w) : dF + 1/2 V_ab r^2 dg``.  So
 ``sum_b t_ab / V_a`` is added to the force of ``a``, and to its stress
 ``-1/(2 V_a) sum_b (t (x) X - e (x) w - 1/2 V_ab r^2 dg/dF)``.
@@ -13,7 +15,8 @@ the virtual work is ``sum t . d(x_b - x_a - F X) + (e (x) w) : dF + 1/2 V_ab r^2
 ``g`` is what presses on the pair.  The sum of Jacobians over particles depends on more than the
 boundary: it sees the rotations of a fine motion and may miss its strains.  Under pressure a
 rotation alone gains energy, which ``g`` outweighs.  On the lines of a box differences commute, and
-it is not needed.
+it is not needed.  The ramp has no kink: a motion that keeps volumes stands at its foot, and
+round-off would choose the force.
 """
 
 from __future__ import annotations
@@ -50,6 +53,8 @@ if TYPE_CHECKING:
     from sphsolid.scheme.restraint import Restraint
 
 Array = NDArray[np.float64]
+#: Width of the foot of a ramp, over the shear modulus.
+FOOT = 0.01
 
 
 class NearPairs(NamedTuple):
@@ -108,19 +113,32 @@ def mean_with(f: Any, A: Tensor, b: Any) -> Tensor:
 
 
 @inlined
+def _ramp(x: Any, width: Any) -> Any:
+    """``(x)_+`` and its derivative."""
+    if not x > 0.0:
+        return 0.0, 0.0
+    if x < width:
+        return 0.5 * x * x / width, x / width
+    return x - 0.5 * width, 1.0
+
+
+@inlined
 def compression(parts: RestraintParts, F: Tensor) -> Any:
     """``pressed (1 - J)_+ + sheared (|F|^2 / 3 - J)_+`` [Pa], and its derivative by ``F``."""
+    if not parts.pressed > 0.0:
+        return 0.0, (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     J, H = determinant(F), cofactor(F)
     square = (
         F[0] * F[0] + F[1] * F[1] + F[2] * F[2]
         + F[3] * F[3] + F[4] * F[4] + F[5] * F[5]
         + F[6] * F[6] + F[7] * F[7] + F[8] * F[8]
     )  # fmt: skip
-    pressure, shear = 1.0 - J, square / 3.0 - J
-    pressed = parts.pressed if pressure > 0.0 else 0.0
-    sheared = parts.sheared if shear > 0.0 else 0.0
+    pressure, pressed = _ramp(1.0 - J, FOOT * parts.sheared / parts.pressed)
+    shear, sheared = _ramp(square / 3.0 - J, FOOT)
+    pressed *= parts.pressed
+    sheared *= parts.sheared
     return (
-        pressed * pressure + sheared * shear,
+        parts.pressed * pressure + parts.sheared * shear,
         axpy(-(pressed + sheared), H, scale(2.0 / 3.0 * sheared, F)),
     )
 

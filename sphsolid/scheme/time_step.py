@@ -21,7 +21,7 @@ Array = NDArray[np.float64]
 #: found at the last evaluation.
 STRETCH = "smallest_stretch"
 ADVICE = (
-    "a smaller cfl, more dissipation (tau_F, xi_F; tau_p near incompressibility), "
+    "a smaller cfl or load, more dissipation (tau_F, xi_F; tau_p near incompressibility), "
     "the Consistent operator everywhere, or a finer spacing"
 )
 

@@ -5,7 +5,8 @@ study, runs them, and compares every value with what is kept in ``reports/stabil
 for times.  Where all agree, ``run.json`` says that the report holds for the sources as they are,
 and by how many cases.  A change of the solvers that alters no row, a clearer message or a refusal,
 so needs no run of hours.  One value that differs leaves the report as it is: older than the code.
-A sample is evidence, no proof, and a small one is little evidence.
+A sample is evidence, no proof, and a small one is little evidence.  Where nothing is kept, as in a
+clone, the rows are looked for in the tables of the report.
 
 With ``--sequences`` one case of every sequence is run; its cases differ in the spacing alone.
 Where it agrees, the sequence is kept for ``--resume``; the others run again there, or at once with
@@ -43,7 +44,9 @@ from studies.engine.case import (
     write_atomically,
 )
 from studies.engine.provenance import commit
+from studies.engine.results import read_results
 from studies.engine.study import Study, parse
+from studies.engine.tabled import compared
 
 #: Values that agree to this share are the same: tables have ten digits.
 SAME = 1.0e-9
@@ -190,29 +193,58 @@ def _same(a: Any, b: Any) -> bool:
 def carry(study: Study, *, cases: int, longest: float = LONGEST) -> list[str]:
     """Run a sample of a full report's cases; stamp the report, or say what differs.
 
-    Raises ``InputError`` where nothing of the report's cases is kept.
+    Raises ``InputError`` where there is nothing of the report to compare with.
     """
     options = parse(study, [])
     kept = kept_outcomes(options.out / "partial")
     chosen = sample(study.cases(options), kept, cases, longest)
-    require(len(chosen) > 0, f"{options.out}: no case of the report is kept to compare with")
-    differ = []
+    count, differ = len(chosen), list[str]()
     for case, before in chosen:
         now = execute(case)
         words = [now.message] if now.failed else list(differences(before.rows, now.rows))
         print(f"{'differs' if words else 'same':8} {case.key}", flush=True)
         differ += [f"{case.key}: {each}" for each in words]
+    if not chosen:
+        count, differ = _looked_up(study, cases, longest)
+        require(count > 0, f"{options.out}: no case that was run gives a row of its tables")
     if not differ:
         path = options.out / "run.json"
         run = json.loads(path.read_text(encoding="utf-8"))
         run["study_hash"] = study.sources
         run["carried"] = {
-            "cases": len(chosen),
+            "cases": count,
             "commit": commit(),
             "date_utc": datetime.datetime.now(datetime.UTC).strftime("%Y-%m-%d %H:%M:%S"),
         }
         write_atomically(path, json.dumps(run, indent=2) + "\n")
     return differ
+
+
+def _looked_up(study: Study, count: int, longest: float) -> tuple[int, list[str]]:
+    """Run ``count`` cases, evenly over the list, and look for their rows in the report's tables.
+
+    Of a case only the cost is known, in a unit of its study: one that would take more than
+    ``longest`` s by the dearest case so far is left out.  Returns how many could be compared.
+    """
+    options = parse(study, [])
+    results = read_results(study.command, options.out)
+    listed = list(study.cases(options))
+    chosen = listed[:: max(1, len(listed) // count)]
+    done, differ, seconds = 0, list[str](), 0.0
+    for case in sorted(chosen, key=lambda each: each.cost):
+        if seconds * case.cost > longest:
+            break
+        now = execute(case)
+        # The first cases compile: what they took says nothing.
+        seconds = max(seconds, now.wall_s / case.cost) if done >= count // 3 else 0.0
+        known, words = compared(now.rows, results.tables, _TIMES.search)
+        if now.failed or not known:
+            print(f"{'other':8} {case.key}: {now.message or 'no row of a table'}", flush=True)
+            continue
+        done += 1
+        print(f"{'differs' if words else 'same':8} {case.key}", flush=True)
+        differ += [f"{case.key}: {each}" for each in words]
+    return done, differ
 
 
 def main(argv: Sequence[str] | None = None) -> int:

@@ -127,7 +127,7 @@ def test_frames_and_pictures_have_it(tmp_path: Path) -> None:
     np.testing.assert_allclose(stored[-1], wanted, rtol=1e-6)
     for shot in (sim.snapshot(), frame):
         assert shot.picture("temperature") is not None
-        with pytest.raises(InputError, match="no picture of a field 'temprature'.*'temperature'"):
+        with pytest.raises(InputError, match=r"no picture of .*'temprature'.*'temperature'"):
             shot.picture("temprature")
 
 
@@ -188,7 +188,7 @@ class Mistaken(TermOption):
 @pytest.mark.parametrize("step", [0.0, -1.0, float("nan"), None, "1e-3"])
 def test_a_step_that_is_none_is_refused(step: Any) -> None:
     sim = sph.Simulation(spinning_block(), spacing=0.4, terms=[Mistaken(step=step)])
-    with pytest.raises(InputError, match=r"Wrong\.largest_step returned .*; wanted is a time above 0 s"):
+    with pytest.raises(InputError, match=r"Wrong\.largest_step returned .*; wanted is a time"):
         sim.run(until=1.0e-3)
     assert sim.step == 0
 

@@ -1,0 +1,82 @@
+"""Do rows that a case gives now stand in the tables of a report?  For a report from a clone.
+
+What a study keeps of its cases is no part of the repository, its tables are.  A row stands in the
+table that shares most of its columns, together with others that the study made of all rows; so
+only the values that the case itself gave are compared.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
+
+import pandas as pd
+
+from studies.engine.case import Row
+from studies.engine.results import Tables
+
+#: Values that agree to this share are the same: long tables have seven digits.
+SAME = 1.0e-6
+#: A row that shares fewer columns with every table is in none.
+LEAST = 3
+
+
+def compared(
+    rows: Sequence[Row], tables: Tables, is_time: Callable[[str], Any]
+) -> tuple[int, list[str]]:
+    """How many of ``rows`` are of a table's kind, and in words which of these are not there."""
+    count, differ = 0, list[str]()
+    for k, row in enumerate(rows):
+        given = {name: value for name, value in row.items() if _says(value) and not is_time(name)}
+        table = _table_of(given, tables)
+        if table is None:
+            continue
+        count += 1
+        words = _difference(given, table)
+        if words:
+            differ.append(f"row {k + 1}, {words}")
+    return count, differ
+
+
+def _says(value: Any) -> bool:
+    """True for a text or number that is there."""
+    if isinstance(value, str):
+        return value != ""
+    return isinstance(value, bool | int | float) and not math.isnan(value)
+
+
+def _table_of(row: Mapping[str, Any], tables: Tables) -> pd.DataFrame | None:
+    def shared(table: pd.DataFrame) -> int:
+        return len(row.keys() & set(table))
+
+    best = max(tables.values(), key=shared)
+    measured = any(isinstance(row[name], float) for name in row.keys() & set(best))
+    return best if shared(best) >= LEAST and measured else None
+
+
+def _difference(row: Mapping[str, Any], table: pd.DataFrame) -> str:
+    """Empty where a row of ``table`` has all values of ``row`` that it has a column for."""
+    names = [name for name in row if name in table]
+    texts = [name for name in names if isinstance(row[name], str | bool)]
+    numbers = [name for name in names if name not in texts]
+    alike = table
+    for name in texts:
+        # A column of truths with gaps is read as one of texts.
+        alike = alike[alike[name].astype(str) == str(row[name])]
+    if len(alike) == 0:
+        return f"none with {', '.join(f'{name} = {row[name]}' for name in texts)}"
+    off = pd.DataFrame({name: _off(alike[name], float(row[name])) for name in numbers})
+    closest = (off > SAME).sum(axis=1).idxmin()
+    wrong = [name for name in numbers if off.loc[closest, name] > SAME]
+    if not wrong:
+        return ""
+    name = wrong[0]
+    return f"{name}: {row[name]!r}, in the report {alike.loc[closest, name]!r}"
+
+
+def _off(column: pd.Series, value: float) -> pd.Series:
+    """Relative difference of each value of ``column``; none where the report has no number."""
+    found = pd.to_numeric(column, errors="coerce")
+    size = max(abs(value), 1.0e-12 / SAME)
+    return ((found - value).abs() / size).where(found != value, 0.0).fillna(0.0)
