@@ -5,8 +5,9 @@ study, runs them, and compares every value with what is kept in ``reports/stabil
 for times.  Where all agree, ``run.json`` says that the report holds for the sources as they are,
 and by how many cases.  A change of the solvers that alters no row, a clearer message or a refusal,
 so needs no run of hours.  One value that differs leaves the report as it is: older than the code.
-A sample is evidence, no proof, and a small one is little evidence.  Where nothing is kept, as in a
-clone, the rows are looked for in the tables of the report.
+A sample is evidence, no proof, and a small one is little evidence.  ``--within 1e-4`` lets smaller
+differences pass than the report's figures show, and the stamp says so.  Where nothing is kept, as
+in a clone, the rows are looked for in the tables of the report.
 
 With ``--sequences`` one case of every sequence is run; its cases differ in the spacing alone.
 Where it agrees, the sequence is kept for ``--resume``; the others run again there, or at once with
@@ -170,28 +171,34 @@ def with_times_of(before: Sequence[Row], now: Sequence[Row]) -> list[Row]:
     ]
 
 
-def differences(before: Sequence[Row], now: Sequence[Row]) -> Iterator[str]:
-    """Where rows differ, in words; times are not compared."""
+def differences(
+    before: Sequence[Row], now: Sequence[Row], within: float = SAME
+) -> Iterator[str]:
+    """Where rows differ by more than the share ``within``, in words; times are not compared."""
     if len(before) != len(now):
         yield f"{len(now)} rows, {len(before)} before"
         return
     for k, (old, new) in enumerate(zip(before, now, strict=True)):
         for name in sorted(old.keys() | new.keys()):
-            if not _TIMES.search(name) and not _same(old.get(name), new.get(name)):
+            if not _TIMES.search(name) and not _same(old.get(name), new.get(name), within):
                 yield f"row {k + 1}, {name}: {new.get(name)!r}, before {old.get(name)!r}"
 
 
-def _same(a: Any, b: Any) -> bool:
+def _same(a: Any, b: Any, within: float) -> bool:
     if isinstance(a, list) and isinstance(b, list):
-        return len(a) == len(b) and all(map(_same, a, b))
+        return len(a) == len(b) and all(_same(*each, within) for each in zip(a, b, strict=True))
     if isinstance(a, float | int) and isinstance(b, float | int):
         both_nan = math.isnan(a) and math.isnan(b)
-        return both_nan or math.isclose(a, b, rel_tol=SAME, abs_tol=1.0e-12)
+        return both_nan or math.isclose(a, b, rel_tol=within, abs_tol=1.0e-12)
     return bool(a == b)
 
 
-def carry(study: Study, *, cases: int, longest: float = LONGEST) -> list[str]:
+def carry(
+    study: Study, *, cases: int, longest: float = LONGEST, within: float = SAME
+) -> list[str]:
     """Run a sample of a full report's cases; stamp the report, or say what differs.
+
+    ``within``: relative difference of values that are the same; the stamp says it.
 
     Raises ``InputError`` where there is nothing of the report to compare with.
     """
@@ -201,11 +208,11 @@ def carry(study: Study, *, cases: int, longest: float = LONGEST) -> list[str]:
     count, differ = len(chosen), list[str]()
     for case, before in chosen:
         now = execute(case)
-        words = [now.message] if now.failed else list(differences(before.rows, now.rows))
+        words = [now.message] if now.failed else list(differences(before.rows, now.rows, within))
         print(f"{'differs' if words else 'same':8} {case.key}", flush=True)
         differ += [f"{case.key}: {each}" for each in words]
     if not chosen:
-        count, differ = _looked_up(study, cases, longest)
+        count, differ = _looked_up(study, cases, longest, within)
         require(count > 0, f"{options.out}: no case that was run gives a row of its tables")
     if not differ:
         path = options.out / "run.json"
@@ -213,6 +220,7 @@ def carry(study: Study, *, cases: int, longest: float = LONGEST) -> list[str]:
         run["study_hash"] = study.sources
         run["carried"] = {
             "cases": count,
+            "within": within,
             "commit": commit(),
             "date_utc": datetime.datetime.now(datetime.UTC).strftime("%Y-%m-%d %H:%M:%S"),
         }
@@ -220,7 +228,9 @@ def carry(study: Study, *, cases: int, longest: float = LONGEST) -> list[str]:
     return differ
 
 
-def _looked_up(study: Study, count: int, longest: float) -> tuple[int, list[str]]:
+def _looked_up(
+    study: Study, count: int, longest: float, within: float
+) -> tuple[int, list[str]]:
     """Run ``count`` cases, evenly over the list, and look for their rows in the report's tables.
 
     Of a case only the cost is known, in a unit of its study: one that would take more than
@@ -237,7 +247,7 @@ def _looked_up(study: Study, count: int, longest: float) -> tuple[int, list[str]
         now = execute(case)
         # The first cases compile: what they took says nothing.
         seconds = max(seconds, now.wall_s / case.cost) if done >= count // 3 else 0.0
-        known, words = compared(now.rows, results.tables, _TIMES.search)
+        known, words = compared(now.rows, results.tables, _TIMES.search, within)
         if now.failed or not known:
             print(f"{'other':8} {case.key}: {now.message or 'no row of a table'}", flush=True)
             continue
@@ -256,6 +266,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     parser.add_argument("--again", metavar="PATTERN", help="cases that run again, not a sample")
     parser.add_argument("--keep-times", action="store_true", help="run those that differ at once")
     parser.add_argument("--longest", type=float, default=LONGEST, help="seconds of a case at most")
+    parser.add_argument("--within", type=float, default=SAME, help="share that is no difference")
     given = parser.parse_args(argv)
     code = 0
     for name in given.study:
@@ -274,7 +285,9 @@ def main(argv: Sequence[str] | None = None) -> int:
                 )
                 print(f"{name}: {count} cases are kept; the rest runs with --resume")
             else:
-                differ = carry(study, cases=given.cases, longest=given.longest)
+                differ = carry(
+                    study, cases=given.cases, longest=given.longest, within=given.within
+                )
         except InputError as wrong:
             print(f"error: {name}: {wrong}", file=sys.stderr)
             return 2

@@ -50,7 +50,11 @@ def _status(run: dict[str, Any]) -> str:
 def _again(run: dict[str, Any]) -> str:
     """How many cases were run again since, and gave the same rows."""
     carried = run.get("carried")
-    return f"{carried['cases']} of {run['cases']}" if carried else ""
+    if not carried:
+        return ""
+    within = carried.get("within", 0.0)
+    to = f", to {within:g}" if within > 1.0e-6 else ""
+    return f"{carried['cases']} of {run['cases']}{to}"
 
 
 def _hash_of_study(name: str) -> str:

@@ -23,9 +23,12 @@ LEAST = 3
 
 
 def compared(
-    rows: Sequence[Row], tables: Tables, is_time: Callable[[str], Any]
+    rows: Sequence[Row], tables: Tables, is_time: Callable[[str], Any], within: float = SAME
 ) -> tuple[int, list[str]]:
-    """How many of ``rows`` are of a table's kind, and in words which of these are not there."""
+    """How many of ``rows`` are of a table's kind, and in words which of these are not there.
+
+    ``within``: relative difference of values that are the same.
+    """
     count, differ = 0, list[str]()
     for k, row in enumerate(rows):
         given = {name: value for name, value in row.items() if _says(value) and not is_time(name)}
@@ -33,7 +36,7 @@ def compared(
         if table is None:
             continue
         count += 1
-        words = _difference(given, table)
+        words = _difference(given, table, max(within, SAME))
         if words:
             differ.append(f"row {k + 1}, {words}")
     return count, differ
@@ -55,7 +58,7 @@ def _table_of(row: Mapping[str, Any], tables: Tables) -> pd.DataFrame | None:
     return best if shared(best) >= LEAST and measured else None
 
 
-def _difference(row: Mapping[str, Any], table: pd.DataFrame) -> str:
+def _difference(row: Mapping[str, Any], table: pd.DataFrame, within: float) -> str:
     """Empty where a row of ``table`` has all values of ``row`` that it has a column for."""
     names = [name for name in row if name in table]
     texts = [name for name in names if isinstance(row[name], str | bool)]
@@ -67,12 +70,12 @@ def _difference(row: Mapping[str, Any], table: pd.DataFrame) -> str:
     if len(alike) == 0:
         return f"none with {', '.join(f'{name} = {row[name]}' for name in texts)}"
     off = pd.DataFrame({name: _off(alike[name], float(row[name])) for name in numbers})
-    closest = (off > SAME).sum(axis=1).idxmin()
-    wrong = [name for name in numbers if off.loc[closest, name] > SAME]
+    closest = (off > within).sum(axis=1).idxmin()
+    wrong = [name for name in numbers if off.loc[closest, name] > within]
     if not wrong:
         return ""
     name = wrong[0]
-    return f"{name}: {row[name]!r}, in the report {alike.loc[closest, name]!r}"
+    return f"{name}: {row[name]!r}, in the report {float(alike.loc[closest, name])!r}"
 
 
 def _off(column: pd.Series, value: float) -> pd.Series:

@@ -105,3 +105,33 @@ def test_two_parts_move_as_if_alone(mesh: Mesh) -> None:
     n = len(mesh.vertices)
     both = motion(moved.twice(mesh, (0.0, 4.0, 0.0)))
     same((both[0][:n], both[1][:n]), alone, 1e-8)
+
+
+@pytest.mark.parametrize("operator", [sph.Consistent(), sph.SummationByParts()], ids=str)
+def test_pairs_on_a_lattice_in_any_unit_and_place(operator: Any) -> None:
+    """A motion that keeps volumes stands where the stiffness of pressed pairs begins."""
+
+    def moved_by(unit: float, place: float) -> Array:
+        def start(X: Array) -> Array:
+            x = (X - place) / unit
+            v = np.stack([5.0 * x[:, 2] ** 2, 3.0 * x[:, 0], 0.0 * x[:, 0]], axis=1)
+            return np.asarray(unit * v)
+
+        body = Box((place,) * 3, (place + unit, place + unit, place + 1.5 * unit))
+        law = NeoHookean.from_young(
+            young_modulus=1e6 / unit, poisson_ratio=0.45, density=1e3 / unit**3
+        )
+        scene = Scene(
+            name="block", body=body, material=law, end_time=4e-3, initial_velocity=start,
+            constraints=(Constraint("Z-", "all"),),
+        )  # fmt: skip
+        sim = sph.Simulation(
+            scene, spacing=0.25 * unit, formulation=sph.Displacement(), operator=operator,
+            stabilisation=sph.Restraint(),
+        )  # fmt: skip
+        sim.run()
+        return np.asarray(sim.snapshot().displacement / unit)
+
+    known = moved_by(1.0, 0.0)
+    for unit, place in ((1e-3, 0.0), (1.0, 31.7)):
+        assert np.max(np.abs(moved_by(unit, place) - known)) < 1e-10 * np.max(np.abs(known))

@@ -79,3 +79,36 @@ def test_a_traction_acts_on_its_own_face_with_its_time() -> None:
 def test_wrong_loads_are_refused_by_name(change: dict, message: str) -> None:
     with pytest.raises(InputError, match=message):
         forces(Scene("wrong", BOX, MATERIAL, 1.0, **change))
+
+
+@pytest.mark.parametrize("place", [0.0, 10.0, 1.0e4])
+@pytest.mark.parametrize("size", [0.04, 1.0, 2.0e3])
+def test_tractions_are_the_same_far_from_the_origin_and_at_any_size(
+    size: float, place: float
+) -> None:
+    def value(X: Array, N: Array, t: float) -> Array:
+        return N * (1.0 + ((X - place) / size)[:, :1] ** 2)
+
+    scene = Scene(
+        "far", Box((place,) * 3, (place + size,) * 3), MATERIAL, 1.0,
+        tractions=(Traction("Z+", value), Traction("X-", value)),
+    )  # fmt: skip
+    mesh = scene.body.mesh(0.5 * size)
+    total = nodal_force(trilinear_loads(scene, mesh), 0.0, len(mesh.vertices)).sum(axis=0)
+    # Coordinates are rounded to 1e-16 of the place.
+    within = 1e-12 + 1e-14 * place / size
+    np.testing.assert_allclose(total / size**2, [-1.0, 0.0, 4.0 / 3.0], atol=within)
+
+
+def test_a_load_is_asked_once_an_instant() -> None:
+    asked = []
+
+    def field(X: Array, t: float) -> Array:
+        asked.append(t)
+        return np.ones_like(X)
+
+    [load] = trilinear_loads(Scene("s", BOX, MATERIAL, 1.0, body_force=field), BOX.mesh(0.5))
+    asked.clear()
+    for t in (0.1, 0.1, 0.2, 0.2):
+        load.nodal_force(t)
+    assert asked == [0.1, 0.2]

@@ -404,3 +404,18 @@ def test_a_run_killed_before_any_change_of_a_file_can_be_read_and_resumed(
     else:
         pytest.fail("the run never ended")
     assert deaths > 15
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "named"),
+    [
+        ("run.vtkhdf", b"xx", "run.vtkhdf is no file of records, or is damaged"),
+        ("history.csv", b"\xff\xfe", "history.csv is no history of a run, or is damaged"),
+        ("manifest.txt", b"\xff", "manifest.txt is no list of files, or is damaged"),
+    ],
+)
+def test_a_damaged_file_is_named(fake_solver, tmp_path, name, content, named):
+    run(fake_solver(), tmp_path, until=0.3)
+    (tmp_path / name).write_bytes(content)
+    with pytest.raises(InputError, match=named):
+        run(fake_solver(), tmp_path, resume=True)

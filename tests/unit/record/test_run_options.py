@@ -8,6 +8,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+import fem_reference as fem
+import sphsolid as sph
 from sphsolid.errors import InputError
 from sphsolid.record import (
     Energy,
@@ -19,6 +21,7 @@ from sphsolid.record import (
     march,
     read_run,
 )
+from sphsolid.scenes import Box, Scene
 
 WRONG = [
     ({"record": Energy()}, r"record = Energy\(\) is one recorder; .*record=\[Energy\(\)\]"),
@@ -34,6 +37,7 @@ WRONG = [
     ({"output": None}, "is not an option object"),
     ({"progress": True}, r"progress = True is no object to be called; use ProgressLine\(\)"),
     ({"progress": ProgressLine}, "is no object to be called"),
+    ({"progress": lambda: 0}, "is called with one Progress"),
     ({"until": "0.1"}, "until = '0.1' is not a number"),
     ({"until": True}, "until = True is not a number"),
     ({"until": np.nan}, "until = nan s must be finite"),
@@ -123,3 +127,33 @@ def test_a_recorder_cannot_change_what_the_next_one_sees(fake_solver):
 
     with pytest.raises(ValueError, match="read-only"):
         march(fake_solver(), until=0.1, record=[Vandal(), Energy()])
+
+
+class Constant:
+    """A recorder with one column."""
+
+    def __init__(self, value):
+        self.value = value
+
+    def record(self, snapshot, scene):
+        return {"a [m]": self.value}
+
+
+def test_two_recorders_may_share_a_column_if_they_agree_on_it(fake_solver):
+    table = march(fake_solver(), until=0.1, record=[Constant(1.0), Constant(1.0)]).table
+    assert list(table.columns) == ["time [s]", "step", "a [m]"]
+    with pytest.raises(InputError, match=r"a column 'a \[m\]', as a recorder before it"):
+        march(fake_solver(), until=0.1, record=[Constant(1.0), Constant(2.0)])
+
+
+def test_rows_before_a_load_that_fails_are_kept():
+    def fails(X, t):
+        return np.full_like(X, np.nan if t > 1e-3 else 1.0)
+
+    law = sph.NeoHookean.from_young(young_modulus=1e6, poisson_ratio=0.3, density=1e3)
+    sim = fem.Simulation(
+        Scene("s", Box(), law, 2e-3, body_force=fails), spacing=0.5
+    )
+    with pytest.raises(InputError, match=r"body force at t = .* is not finite"):
+        sim.run(every=2e-4, record=[Energy()])
+    assert len(sim.history.table) >= 4

@@ -136,6 +136,24 @@ def test_bad_constraints_are_refused():
         essential_parts((Constraint("bottom", "all"),), Box().mesh(0.5))
 
 
+def pull(X, t):
+    return np.ones_like(X)
+
+
+def test_a_motion_that_nothing_is_left_of_is_refused():
+    mesh, held = Box().mesh(0.5), Constraint("Z+", "all")
+    for two in (
+        (held, Constraint("Z+", "all", pull)),
+        (Constraint("Z+", "all", pull), held),
+        (held, Constraint("Z+", "normal", pull)),
+    ):
+        with pytest.raises(InputError, match=r"constraint on 'Z\+'.* on Z\+, prescribe all"):
+            essential_parts(two, mesh)
+    # What is held twice, and motions that share an edge, are fine.
+    essential_parts((held, Constraint("Z+", "normal"), Constraint("X+", "all", pull)), mesh)
+    essential_parts((Constraint("Z+", "normal"), Constraint("Z+", "tangential", pull)), mesh)
+
+
 class Sheared:
     """A box whose side X+ leans over: it meets Z- and Z+ at half a right angle."""
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 
+import pandas as pd
 import pytest
 
 from sphsolid.errors import InputError
@@ -20,6 +21,8 @@ from studies.engine.carry import (
     with_times_of,
 )
 from studies.engine.case import Case, Outcome, execute, load, partial_path, store
+from studies.engine.results import read_table, write_table
+from studies.engine.tabled import compared
 from tests.unit.studies.fake_study import Law, power_law, study_of
 
 
@@ -66,12 +69,75 @@ def test_one_other_value_leaves_it_older(report):
     assert stamped(folder) == {"study": "fake", "study_hash": "older", "cases": 3}
 
 
-def test_without_kept_cases_nothing_is_said(report):
+def test_one_may_differ_by_what_the_stamp_says(report):
     study, folder = report
+    [path] = (folder / "partial").glob("*0.25*")
+    kept = json.loads(path.read_text())
+    kept["rows"][1]["error"] *= 1.0 + 1e-7
+    path.write_text(json.dumps(kept))
+    assert carry(study, cases=3, within=1e-6) == []
+    assert stamped(folder)["carried"]["within"] == 1e-6
+
+
+@pytest.fixture
+def clone(report):
+    """The same without what was kept of its cases: the tables are all there is."""
+    study, folder = report
+    rows = [row for case in study.cases(None) for row in execute(case).rows]
     for path in (folder / "partial").glob("*.json"):
         path.unlink()
-    with pytest.raises(InputError, match="no case of the report is kept"):
+    for name, table in study.tables(rows).items():
+        write_table(table, folder, name)
+    write_table(pd.DataFrame(columns=["key"]), folder, "failures")
+    run = {"study": "fake", "study_hash": "older", "cases": 3, "tables": [*study.tables(rows)]}
+    (folder / "run.json").write_text(json.dumps(run))
+    return study, folder
+
+
+def test_in_a_clone_rows_are_looked_for_in_the_tables(clone):
+    study, folder = clone
+    assert carry(study, cases=3) == []
+    assert stamped(folder)["study_hash"] == study.sources
+    assert stamped(folder)["carried"]["cases"] == 3
+
+
+def test_a_row_that_is_in_no_table_leaves_the_report_older(clone):
+    study, folder = clone
+    table = read_table(folder, "table")
+    table.loc[3, "error"] *= 1.001
+    write_table(table, folder, "table")
+    [words] = carry(study, cases=3)
+    assert "error: " in words
+    assert "in the report" in words
+    assert stamped(folder)["study_hash"] == "older"
+    assert carry(study, cases=3, within=1e-2) == []
+
+
+def test_without_tables_of_its_rows_nothing_is_said(clone):
+    study, folder = clone
+    write_table(pd.DataFrame({"other": [1.0]}), folder, "table")
+    write_table(pd.DataFrame({"other": [1.0]}), folder, "orders")
+    with pytest.raises(InputError, match="gives a row of its tables"):
         carry(study, cases=3)
+
+
+def test_a_row_is_compared_with_the_table_that_shares_most_of_it():
+    tables = {
+        "table": pd.DataFrame({"name": ["a", "b"], "sound": [True, None], "x": [1.0, 2.0],
+                               "y": [3.0, None]}),
+        "fits": pd.DataFrame({"name": ["a"], "x": [7.0]}),
+    }  # fmt: skip
+
+    def of(**row):
+        return compared([row], tables, lambda name: name == "wall_s")
+
+    assert of(name="a", sound=True, x=1.0, y=3.0, wall_s=9.0, kind="run") == (1, [])
+    # What the report does not have, or the row, is not compared.
+    assert of(name="b", x=2.0, y=5.0) == (1, [])
+    assert of(name="a", sound=True, x=1.0, y=math.nan) == (1, [])
+    assert of(name="c", x=2.0, y=5.0) == (1, ["row 1, none with name = c"])
+    assert of(name="a", x=1.0, y=3.1)[1][0].startswith("row 1, y: 3.1, in the report 3.0")
+    assert of(name="a", x=1.0) == (0, [])
 
 
 def test_times_are_not_compared_and_missing_values_are_equal():
