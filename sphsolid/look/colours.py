@@ -7,6 +7,7 @@ perceptually uniform.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from typing import Any
@@ -24,7 +25,10 @@ from sphsolid.look.scalars import CELL, scalar
 
 @dataclass(frozen=True)
 class FieldLook:
-    """How a field is shown: its name, SI unit (empty: a number), colour map and middle value."""
+    """How a field is shown: its name, SI unit (empty: a number), colour map and middle value.
+
+    ``middle`` is nan where no value means "nothing": colours go from the least to the largest.
+    """
 
     name: str
     unit: str
@@ -59,7 +63,7 @@ def look_of(field: str) -> FieldLook:
     try:
         what = scalar(name)
     except InputError:
-        return FieldLook(name, "", "viridis", 0.0, diverging=False)
+        return FieldLook(name, "", "viridis", math.nan, diverging=False)
     if what.is_size:
         label, unit = _VECTORS[what.base]
         return FieldLook(f"{label}\n|{name}|", unit, "viridis", 0.0, diverging=False)
@@ -110,7 +114,12 @@ class ColourRange:
         bar.outline.set_linewidth(0.5)
         axes.tick_params(labelsize=8, width=0.5, length=2.5)
         axes.grid(False)
-        axes.set_title(f"{self.look.name}\n[{unit or '-'}]", fontsize=8.5, loc="left", pad=9)
+        title = f"{self.look.name}\n[{unit or '-'}]"
+        size = 8.5
+        if math.isnan(self.look.middle):
+            # A name of a user's own: its unit is not known, and it may be long.
+            title, size = self.look.name, min(size, 85.0 / len(self.look.name))
+        axes.set_title(title, fontsize=size, loc="left", pad=9)
 
 
 def limits(
@@ -119,8 +128,9 @@ def limits(
     """A common range: ``percentile`` by volume of the pooled values, rounded up to a round number.
 
     ``frames`` may be nested (rows of a grid); panels without a frame are passed over.  Symmetric
-    about the middle for a diverging field, from zero for von Mises.  Pooling means that one
-    spike, or one corner, does not wash out all others.  Raises ``InputError`` for a percentile
+    about the middle for a diverging field, from zero for von Mises, with both ends by percentile
+    for a field of a user's own.  Pooling means that one spike, or one corner, does not wash out all
+    others.  Raises ``InputError`` for a percentile
     outside (0, 100] or when there is nothing to look at.
     """
     require(0.0 < percentile <= 100.0, f"limits: percentile = {percentile} is outside (0, 100]")
@@ -131,6 +141,12 @@ def limits(
     finite = np.isfinite(pooled)
     pooled, volume = pooled[finite], volume[finite]
     require(len(pooled) > 0, f"limits: no frame has a finite value of {field}")
+    if math.isnan(look.middle):
+        low, high = weighted_percentile(pooled, volume, [100.0 - percentile, percentile])
+        if not low < high:
+            low, high = low - 0.5 * abs(low) - 0.5, high + 0.5 * abs(high) + 0.5
+        beyond = (bool(pooled.min() < low), bool(pooled.max() > high))
+        return ColourRange(field, float(low), float(high), beyond)
     ends = weighted_percentile(np.abs(pooled - look.middle), volume, [percentile])
     size = _round_up(float(ends[0]))
     low = look.middle - size if look.diverging else look.middle
