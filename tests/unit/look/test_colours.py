@@ -87,7 +87,6 @@ def test_what_has_no_range_is_refused():
         lambda: limits([shot([1.0])], percentile=0.0),
         lambda: limits([shot([1.0])], field="heat"),
         lambda: ColourRange("pressure", 1.0, 1.0),
-        lambda: ColourRange("heat", 0.0, 1.0),
     ):
         with pytest.raises(InputError):
             make()
@@ -111,3 +110,13 @@ def test_the_bar_says_unit_and_ends(field, low, high, unit, first, last):
     texts = [tick.get_text() for tick in axes.get_yticklabels()]
     assert (texts[0], texts[-1], len(texts)) == (first, last, 5)
     assert LOOKS[field].name in axes.get_title(loc="left")
+
+
+def test_a_field_of_ones_own_goes_from_its_least_to_its_largest_value():
+    made = shot([0.0])
+    made.values["temperature"] = np.linspace(300.0, 310.0, len(made.x), dtype=np.float32)
+    found = limits([made], field="temperature", percentile=100.0)
+    assert (found.low, found.high) == pytest.approx((300.0, 310.0))
+    made.values["temperature"][:] = 300.0
+    found = limits([made], field="temperature")
+    assert found.low < 300.0 < found.high
