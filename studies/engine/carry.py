@@ -27,6 +27,7 @@ import importlib
 import json
 import math
 import re
+import statistics
 import sys
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
@@ -53,7 +54,7 @@ from studies.engine.tabled import compared
 SAME = 1.0e-9
 #: Columns that are times of this machine.
 _TIMES = re.compile(
-    r"(^|_)(wall|cpu|seconds|ns)(_|$)|step_s$|evaluation_s$|set_up_s$|^window_steps$|^repeats$"
+    r"(^|_)(wall|cpu|seconds|ns)(_|$)|step_s$|evaluation_s$|set_?up_s$|_ms$|^window_steps$|^repeats$|^terms_ratio$"
 )
 #: Cases that took longer are left out [s].
 LONGEST = 60.0
@@ -234,19 +235,19 @@ def _looked_up(
     """Run ``count`` cases, evenly over the list, and look for their rows in the report's tables.
 
     Of a case only the cost is known, in a unit of its study: one that would take more than
-    ``longest`` s by the dearest case so far is left out.  Returns how many could be compared.
+    ``longest`` s, by the median of the cases so far, is left out.  Returns how many could be
+    compared.
     """
     options = parse(study, [])
     results = read_results(study.command, options.out)
     listed = list(study.cases(options))
     chosen = listed[:: max(1, len(listed) // count)]
-    done, differ, seconds = 0, list[str](), 0.0
+    done, differ, seconds = 0, list[str](), list[float]()
     for case in sorted(chosen, key=lambda each: each.cost):
-        if seconds * case.cost > longest:
+        if seconds and statistics.median(seconds) * case.cost > longest:
             break
         now = execute(case)
-        # The first cases compile: what they took says nothing.
-        seconds = max(seconds, now.wall_s / case.cost) if done >= count // 3 else 0.0
+        seconds.append(now.wall_s / case.cost)
         known, words = compared(now.rows, results.tables, _TIMES.search, within)
         if now.failed or not known:
             print(f"{'other':8} {case.key}: {now.message or 'no row of a table'}", flush=True)
