@@ -286,8 +286,11 @@ def map_figure(results: Results) -> Figure:
             ax.plot(places, own[f"error_P_{nu:g}"], style, color="C0", label=f"stress, nu {nu:g}")
             errors = own[f"frequency_{nu:g}"].abs()
             ax.plot(places, errors, style, color="C1", label=f"frequency, nu {nu:g}")
+        # One word a line, and the order once: long values lie beside each other otherwise.
         labels = [
-            f"{value}\n{sound}/{runs}" + ("\n(default)" if default else "")
+            f"{sound}/{runs}\n" + ("(default)\n" if default else "") + "\n".join(
+                str(value).removeprefix("order 2, ").split(" ")
+            )
             for value, sound, runs, default in zip(
                 own["value"], own["sound"], own["runs"], own["default"], strict=True
             )
@@ -295,7 +298,8 @@ def map_figure(results: Results) -> Figure:
         ax.set(title=part, yscale="log", xticks=places)
         ax.set_xticklabels(labels, fontsize=5.0)
     axes.flat[0].set_ylabel("relative error")
-    axes.flat[-1].legend(fontsize=5.5)
+    # Between the curves of this panel, which are level.
+    axes.flat[0].legend(fontsize=5.5, loc="lower center", bbox_to_anchor=(0.5, 0.14))
     return figure
 
 
