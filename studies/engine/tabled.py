@@ -1,6 +1,6 @@
 """Do rows that a case gives now stand in the tables of a report?  For a report from a clone.
 
-What a study keeps of its cases is no part of the repository, its tables are.  A row stands in the
+What a study keeps of its cases is no part of the repository, its tables are.  A row stands in a
 table that shares most of its columns, together with others that the study made of all rows; so
 only the values that the case itself gave are compared.
 """
@@ -20,6 +20,8 @@ from studies.engine.results import Tables
 SAME = 1.0e-6
 #: A row that shares fewer columns with every table is in none.
 LEAST = 3
+#: Of the columns that the best table shares; a study may put its rows into several.
+NEARLY = 0.6
 
 
 def compared(
@@ -32,13 +34,10 @@ def compared(
     count, differ = 0, list[str]()
     for k, row in enumerate(rows):
         given = {name: value for name, value in row.items() if _says(value) and not is_time(name)}
-        table = _table_of(given, tables)
-        if table is None:
-            continue
-        count += 1
-        words = _difference(given, table, max(within, SAME))
-        if words:
-            differ.append(f"row {k + 1}, {words}")
+        found = [_difference(given, each, max(within, SAME)) for each in _tables_of(given, tables)]
+        count += bool(found)
+        if found and all(found):
+            differ.append(f"row {k + 1}, {found[0]}")
     return count, differ
 
 
@@ -49,13 +48,16 @@ def _says(value: Any) -> bool:
     return isinstance(value, bool | int | float) and not math.isnan(value)
 
 
-def _table_of(row: Mapping[str, Any], tables: Tables) -> pd.DataFrame | None:
-    def shared(table: pd.DataFrame) -> int:
-        return len(row.keys() & set(table))
+def _tables_of(row: Mapping[str, Any], tables: Tables) -> list[pd.DataFrame]:
+    """Those that the row may stand in, the likeliest first."""
 
-    best = max(tables.values(), key=shared)
-    measured = any(isinstance(row[name], float) for name in row.keys() & set(best))
-    return best if shared(best) >= LEAST and measured else None
+    def shared(table: pd.DataFrame) -> int:
+        names = row.keys() & set(table)
+        return len(names) if any(isinstance(row[name], float) for name in names) else 0
+
+    likely = sorted(tables.values(), key=shared, reverse=True)
+    least = max(LEAST, NEARLY * shared(likely[0]))
+    return [table for table in likely if shared(table) >= least]
 
 
 def _difference(row: Mapping[str, Any], table: pd.DataFrame, within: float) -> str:
@@ -65,8 +67,10 @@ def _difference(row: Mapping[str, Any], table: pd.DataFrame, within: float) -> s
     numbers = [name for name in names if name not in texts]
     alike = table
     for name in texts:
-        # A column of truths with gaps is read as one of texts.
-        alike = alike[alike[name].astype(str) == str(row[name])]
+        # A column of truths with gaps is read as one of texts, and a study may say more.
+        said = alike[name].astype(str)
+        exact = said == str(row[name])
+        alike = alike[exact if exact.any() else said.str.startswith(str(row[name]))]
     if len(alike) == 0:
         return f"none with {', '.join(f'{name} = {row[name]}' for name in texts)}"
     off = pd.DataFrame({name: _off(alike[name], float(row[name])) for name in numbers})
