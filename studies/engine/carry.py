@@ -54,7 +54,7 @@ from studies.engine.tabled import compared
 SAME = 1.0e-9
 #: Columns that are times of this machine.
 _TIMES = re.compile(
-    r"(^|_)(wall|cpu|seconds|ns)(_|$)|step_s$|evaluation_s$|set_?up_s$|_ms$|^window_steps$|^repeats$|^terms_ratio$"
+    r"(^|_)(wall|cpu|seconds|ns)(_|$)|step_s$|evaluation_s$|set_?up_s$|_ms$|^window_steps$|^repeats$|^(step|terms)_ratio$"
 )
 #: Cases that took longer are left out [s].
 LONGEST = 60.0
