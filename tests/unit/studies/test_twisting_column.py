@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-import inspect
 import argparse
 import dataclasses
+import inspect
 import math
 from dataclasses import replace
 from pathlib import Path
