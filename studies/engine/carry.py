@@ -52,9 +52,9 @@ from studies.engine.tabled import compared
 
 #: Values that agree to this share are the same: tables have ten digits.
 SAME = 1.0e-9
-#: Columns that are times of this machine.
+#: Columns that are of this machine: times, and bytes held, among them scratch of each thread.
 _TIMES = re.compile(
-    r"(^|_)(wall|cpu|seconds|ns)(_|$)|step_s$|evaluation_s$|set_?up_s$|_ms$|^window_steps$|^repeats$|^(step|terms)_ratio$"
+    r"(^|_)(wall|cpu|seconds|ns)(_|$)|step_s$|evaluation_s$|set_?up_s$|_ms$|^window_steps$|^repeats$|^(step|terms)_ratio$|^bytes$"
 )
 #: Cases that took longer are left out [s].
 LONGEST = 60.0
