@@ -152,6 +152,19 @@ def transpose(A: Tensor) -> Tensor:
 
 
 @inlined
+def right_cauchy_green(F: Tensor) -> tuple[Any, Any, Any, Any, Any, Any]:
+    """``C = F^T F``, which is symmetric: ``(C11, C22, C33, C12, C13, C23)``."""
+    return (
+        F[0] * F[0] + F[3] * F[3] + F[6] * F[6],
+        F[1] * F[1] + F[4] * F[4] + F[7] * F[7],
+        F[2] * F[2] + F[5] * F[5] + F[8] * F[8],
+        F[0] * F[1] + F[3] * F[4] + F[6] * F[7],
+        F[0] * F[2] + F[3] * F[5] + F[6] * F[8],
+        F[1] * F[2] + F[4] * F[5] + F[7] * F[8],
+    )
+
+
+@inlined
 def apply(A: Tensor, n: Vector) -> Vector:
     """``A n``."""
     return (

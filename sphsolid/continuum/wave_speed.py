@@ -10,7 +10,7 @@ import numpy as np
 from sphsolid.compiled import inlined
 from sphsolid.continuum.law import tangent_action, volumetric_stiffness
 from sphsolid.continuum.moduli import first_lame
-from sphsolid.continuum.tensor import IDENTITY, Tensor, split
+from sphsolid.continuum.tensor import IDENTITY, Tensor, right_cauchy_green, split
 
 #: A fibre shorter than this share of its length is taken as a diverged solution: the stable step
 #: shrinks with it, so a run that has blown up would otherwise creep on for ever.
@@ -110,12 +110,7 @@ def smallest_stretch(F: Tensor) -> float:
     ``[-2, -1]``: no trigonometric function keeps a loop from working on several particles at once.
     ``nan`` in gives ``nan`` out.
     """
-    c00 = F[0] * F[0] + F[3] * F[3] + F[6] * F[6]
-    c11 = F[1] * F[1] + F[4] * F[4] + F[7] * F[7]
-    c22 = F[2] * F[2] + F[5] * F[5] + F[8] * F[8]
-    c01 = F[0] * F[1] + F[3] * F[4] + F[6] * F[7]
-    c02 = F[0] * F[2] + F[3] * F[5] + F[6] * F[8]
-    c12 = F[1] * F[2] + F[4] * F[5] + F[7] * F[8]
+    c00, c11, c22, c01, c02, c12 = right_cauchy_green(F)
     mean = (c00 + c11 + c22) / 3.0
     d0 = c00 - mean
     d1 = c11 - mean

@@ -8,7 +8,12 @@ import numpy as np
 
 from sphsolid.errors import InputError
 from sphsolid.record.budget import WORKS, Budget
-from sphsolid.record.recorders import AXES, momentum_scales
+from sphsolid.record.recorders import (
+    AXES,
+    angular_momentum,
+    linear_momentum,
+    momentum_scales,
+)
 from sphsolid.record.snapshot import Snapshot
 from sphsolid.scenes.scene import Scene
 
@@ -71,17 +76,19 @@ class MomentumDrift:
         """Two groups of twelve columns."""
         budget = _budget(snapshot)
         scales = momentum_scales(snapshot)
+        # Summed as the recorders of a momentum sum it, whose columns have the same names.
+        momenta = (linear_momentum(snapshot), angular_momentum(snapshot))
         row: dict[str, float] = {}
         for k, (kind, unit) in enumerate((("linear", "kg m/s"), ("angular", "kg m^2/s"))):
             row[f"{kind}_drift [{unit}]"] = float(np.linalg.norm(budget.drift[k]))
             row[f"{kind}_drift_step [{unit}]"] = float(budget.largest_step_drift[k])
             row[f"{kind}_scale [{unit}]"] = float(scales[k])
             for what, values in (
-                ("momentum", budget.momentum), ("impulse", budget.impulse),
-                ("traction_impulse", budget.traction_impulse),
+                ("momentum", momenta[k]), ("impulse", budget.impulse[k]),
+                ("traction_impulse", budget.traction_impulse[k]),
             ):  # fmt: skip
                 for i in range(3):
-                    row[f"{kind}_{what}_{AXES[i]} [{unit}]"] = float(values[k, i])
+                    row[f"{kind}_{what}_{AXES[i]} [{unit}]"] = float(values[i])
         return row
 
 

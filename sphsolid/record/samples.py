@@ -18,8 +18,8 @@ from numpy.typing import NDArray
 from sphsolid.geometry.mesh import Mesh
 from sphsolid.record.exact_samples import exact_functions
 from sphsolid.scenes.callbacks import asked
-from sphsolid.scenes.constraint import Fixed, vertex_normals
-from sphsolid.scenes.scene import FromGeometry, NoBodyForce, Scene
+from sphsolid.scenes.functions_of_time import functions_of_time
+from sphsolid.scenes.scene import FromGeometry, Scene
 
 Array = NDArray[np.float64]
 #: ``{name: (instants, numbers)}``; initial data have one instant.
@@ -85,17 +85,8 @@ class Sampler:
         stated = scene.initial_deformation_gradient
         if not isinstance(stated, FromGeometry):
             sample("initial deformation gradient", stated, (X,), [None], tensor=True)
-        for constraint in scene.constraints:
-            if not isinstance(constraint.velocity, Fixed):
-                what = f"prescribed velocity on {constraint.face}"
-                for particles, _ in vertex_normals(self._mesh, constraint.face):
-                    sample(what, constraint.velocity, (X[particles],), times)
-        for traction in scene.tractions:
-            what = f"traction on {traction.face}"
-            for particles, normal in vertex_normals(self._mesh, traction.face):
-                sample(what, traction.value, (X[particles], normal), times)
-        if not isinstance(scene.body_force, NoBodyForce):
-            sample("body force", scene.body_force, (X,), times)
+        for each in functions_of_time(scene, self._mesh):
+            sample(each.what, each.function, each.points, times)
         for name, function, tensor in exact_functions(scene.exact):
             sample(name, function, (self._few,), times, tensor=tensor)
         return found

@@ -8,19 +8,14 @@ function remembers, in a list around it or a generator of random numbers, nobody
 from __future__ import annotations
 
 import copy
-from collections.abc import Callable, Iterator
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from sphsolid.errors import InputError
 from sphsolid.geometry.mesh import Mesh
 from sphsolid.scenes.callbacks import asked
-from sphsolid.scenes.constraint import Fixed, vertex_normals
-from sphsolid.scenes.scene import NoBodyForce, Scene
-
-Array = NDArray[np.float64]
+from sphsolid.scenes.functions_of_time import functions_of_time
+from sphsolid.scenes.scene import Scene
 
 
 def refuse_hidden_memory(scene: Scene, mesh: Mesh) -> None:
@@ -28,7 +23,7 @@ def refuse_hidden_memory(scene: Scene, mesh: Mesh) -> None:
 
     Loads and prescribed motions are asked at the start, at the end, and at the start again.
     """
-    for what, function, points in _functions_of_time(scene, mesh):
+    for what, function, points in functions_of_time(scene, mesh):
         if copy.deepcopy(function) is not function:
             continue
         try:
@@ -44,20 +39,3 @@ def refuse_hidden_memory(scene: Scene, mesh: Mesh) -> None:
                 "its arguments alone. What it remembers belongs into an object with __call__, of "
                 "which others can ask a copy; random numbers are drawn before the run"
             )
-
-
-def _functions_of_time(
-    scene: Scene, mesh: Mesh
-) -> Iterator[tuple[str, Callable[..., Any], tuple[Array, ...]]]:
-    """Name, function and all points at which the run will ask it."""
-    X = mesh.vertices
-    for constraint in scene.constraints:
-        if not isinstance(constraint.velocity, Fixed):
-            for particles, _ in vertex_normals(mesh, constraint.face):
-                what = f"prescribed velocity on {constraint.face}"
-                yield what, constraint.velocity, (X[particles],)
-    for traction in scene.tractions:
-        for particles, normal in vertex_normals(mesh, traction.face):
-            yield f"traction on {traction.face}", traction.value, (X[particles], normal)
-    if not isinstance(scene.body_force, NoBodyForce):
-        yield "body force", scene.body_force, (X,)

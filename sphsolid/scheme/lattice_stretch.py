@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from sphsolid.compiled import inlined
-from sphsolid.continuum.tensor import determinant
+from sphsolid.continuum.tensor import determinant, right_cauchy_green
 from sphsolid.continuum.wave_speed import step_share
 from sphsolid.scheme.lattice_sums import tensor_at
 
@@ -24,12 +24,7 @@ def least_stretch(F):  # type: ignore[no-untyped-def]
     The least root of ``x^3 - 3 x = 2 r`` is ``-2 cos(2/3 arccos h)``, ``h = sqrt((1 - r) / 2)``,
     and that is a smooth function of ``h``.
     """
-    c00 = F[0] * F[0] + F[3] * F[3] + F[6] * F[6]
-    c11 = F[1] * F[1] + F[4] * F[4] + F[7] * F[7]
-    c22 = F[2] * F[2] + F[5] * F[5] + F[8] * F[8]
-    c01 = F[0] * F[1] + F[3] * F[4] + F[6] * F[7]
-    c02 = F[0] * F[2] + F[3] * F[5] + F[6] * F[8]
-    c12 = F[1] * F[2] + F[4] * F[5] + F[7] * F[8]
+    c00, c11, c22, c01, c02, c12 = right_cauchy_green(F)
     mean = (c00 + c11 + c22) * (1.0 / 3.0)
     d0, d1, d2 = c00 - mean, c11 - mean, c22 - mean
     u, v, w = c01 * c01, c02 * c02, c12 * c12

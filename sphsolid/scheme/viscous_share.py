@@ -17,17 +17,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sphsolid.compiled import inlined
+from sphsolid.continuum.tensor import right_cauchy_green
 
 
 @inlined
 def viscous_share(F: Any, most: float) -> float:
     """``min(1, most / c)`` of nine numbers; ``most`` may be infinite."""
-    c00 = F[0] * F[0] + F[3] * F[3] + F[6] * F[6]
-    c11 = F[1] * F[1] + F[4] * F[4] + F[7] * F[7]
-    c22 = F[2] * F[2] + F[5] * F[5] + F[8] * F[8]
-    c01 = F[0] * F[1] + F[3] * F[4] + F[6] * F[7]
-    c02 = F[0] * F[2] + F[3] * F[5] + F[6] * F[8]
-    c12 = F[1] * F[2] + F[4] * F[5] + F[7] * F[8]
+    c00, c11, c22, c01, c02, c12 = right_cauchy_green(F)
     # C C, and the sum of its squares.
     d00 = c00 * c00 + c01 * c01 + c02 * c02
     d11 = c01 * c01 + c11 * c11 + c12 * c12

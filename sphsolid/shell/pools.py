@@ -10,10 +10,11 @@ import os
 import signal
 import threading
 import time
-from collections.abc import Iterator
-from concurrent.futures import Executor, ProcessPoolExecutor
+from collections.abc import Callable, Iterator
+from concurrent.futures import Executor, Future, ProcessPoolExecutor
 from contextlib import contextmanager
 from dataclasses import dataclass
+from typing import Any
 
 from sphsolid.errors import InputError, require
 from sphsolid.look.doors import installed
@@ -104,6 +105,37 @@ def cluster(address: str) -> Iterator[Cluster]:
             f"--scheduler {address}: {len(counts)} workers with {counts} threads; there must be "
             "some, started with `dask worker ADDRESS --nworkers N --nthreads 1`",
         )
+        yield Cluster(_OnClient(client), len(counts), KilledWorker)
+
+
+class _OnClient(Executor):
+    """Work for a Dask ``client``; what a lost worker had done is done again.
+
+    Dask's own executor looks twice at a task that ended, at its result and at its state.  Where the
+    worker that holds the result dies between, it takes the result for an error.
+    """
+
+    def __init__(self, client: Any) -> None:
+        self._client = client
+
+    def submit(self, fn: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Future[Any]:
+        """Hand out the call ``fn(*args, **kwargs)``."""
         # Equal runs are different work: pure=False keeps Dask from handing out an old result.
-        with client.get_executor(pure=False) as executor:
-            yield Cluster(executor, len(counts), KilledWorker)
+        task = self._client.submit(fn, *args, pure=False, **kwargs)
+        handed: Future[Any] = Future()
+
+        def hand_over(_: Any) -> None:
+            if not handed.set_running_or_notify_cancel():
+                return
+            try:
+                handed.set_result(task.result())
+            except BaseException as error:
+                handed.set_exception(error)
+
+        def give_up(_: Future[Any]) -> None:
+            if handed.cancelled():
+                task.cancel()
+
+        handed.add_done_callback(give_up)
+        task.add_done_callback(hand_over)
+        return handed

@@ -12,8 +12,11 @@ import fem_reference as fem
 import sphsolid as sph
 from sphsolid.errors import InputError
 from sphsolid.record import (
+    AngularMomentum,
     Energy,
     EnergyBudget,
+    LinearMomentum,
+    MomentumDrift,
     NoOutput,
     Probe,
     ProgressLine,
@@ -21,7 +24,7 @@ from sphsolid.record import (
     march,
     read_run,
 )
-from sphsolid.scenes import Box, Scene
+from sphsolid.scenes import Box, Scene, twisting_column
 
 WRONG = [
     ({"record": Energy()}, r"record = Energy\(\) is one recorder; .*record=\[Energy\(\)\]"),
@@ -144,6 +147,15 @@ def test_two_recorders_may_share_a_column_if_they_agree_on_it(fake_solver):
     assert list(table.columns) == ["time [s]", "step", "a [m]"]
     with pytest.raises(InputError, match=r"a column 'a \[m\]', as a recorder before it"):
         march(fake_solver(), until=0.1, record=[Constant(1.0), Constant(2.0)])
+
+
+@pytest.mark.parametrize("solver", [sph, fem])
+def test_recorders_of_one_momentum_say_it_in_the_same_bits(solver):
+    sim = solver.Simulation(twisting_column(end_time=0.002), spacing=0.5)
+    # A column that differs in one bit is refused.
+    table = sim.run(record=[MomentumDrift(), LinearMomentum(), AngularMomentum()]).table
+    assert table["linear_momentum_x [kg m/s]"].notna().all()
+    assert table["angular_momentum_y [kg m^2/s]"].iloc[-1] != 0.0
 
 
 def test_rows_before_a_load_that_fails_are_kept():
