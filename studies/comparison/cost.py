@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Sequence
 from typing import Any
 
@@ -12,7 +11,7 @@ from numpy.typing import NDArray
 
 from sphsolid.scenes import twisting_column
 from studies.engine.case import Row
-from studies.measures.rhythm import cycle
+from studies.measures.turns import take_turns
 from studies.methods import Method
 
 
@@ -21,38 +20,20 @@ def run_cost(
 ) -> list[Row]:
     """A row ``cost`` a method: the least processor seconds a step of ``repeats`` turns.
 
-    A turn has steps for about ``window_s`` seconds, in whole cycles (``measures.rhythm``).  The
-    column hardly twists, so that no method is near its end; the work of a step is the same.
+    A turn takes about ``window_s`` seconds (``measures.turns``).  The column hardly twists, so that
+    no method is near its end; the work of a step is the same.
     """
     scene = twisting_column(angular_velocity=1.0)
-    sims: dict[str, Any] = {}
-    turns: dict[str, int] = {}
-    for name, method in methods:
-        sim = method.simulation(scene, spacing=1.0 / cells)
-        sim.advance(sim.stable_time_step())
-        whole = cycle(sim)
-        guess = max(seconds_of(sim, max(2, whole)), 1.0e-9)
-        turns[name] = whole * max(-(-2 // whole), round(window_s / guess / whole))
-        sims[name] = sim
-    best = dict.fromkeys(sims, float("inf"))
-    for _ in range(repeats):
-        for name, sim in sims.items():
-            best[name] = min(best[name], seconds_of(sim, turns[name]))
+    sims = {name: method.simulation(scene, spacing=1.0 / cells) for name, method in methods}
+    timed = take_turns(sims.values(), rounds=repeats, window_s=window_s)
     return [
         {
-            "kind": "cost", "method": name, "cells": cells, "particles": len(sim.snapshot().X),
-            "step_s": best[name], "window_steps": turns[name], "repeats": repeats,
+            "kind": "cost", "method": name, "cells": cells,
+            "particles": len(each.sim.snapshot().X), "step_s": each.least,
+            "window_steps": each.steps, "repeats": repeats,
         }
-        for name, sim in sims.items()
+        for name, each in zip(sims, timed, strict=True)
     ]  # fmt: skip
-
-
-def seconds_of(sim: Any, steps: int) -> float:
-    """Processor seconds a step of the next ``steps``."""
-    started = time.process_time()
-    for _ in range(steps):
-        sim.advance(sim.stable_time_step())
-    return (time.process_time() - started) / steps
 
 
 def step_seconds(cost: pd.DataFrame, method: str, particles: Any) -> NDArray[np.float64]:

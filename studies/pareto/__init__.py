@@ -2,13 +2,14 @@
 
 ``python -m studies.pareto`` runs the swinging cube (manufactured, large strain) and the twisting
 column with every method of ``methods.py`` on several lattices, and the other problems of
-``problems.py`` with those of the front; one case at a time, errors on all threads, costs on one.
+``problems.py`` with those of the front; one case at a time, errors on all threads.  Then all that
+is compared is timed side by side, on one.
 """
 
 from __future__ import annotations
 
 import argparse
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -65,13 +66,16 @@ from studies.pareto.problems import (
     VIBRATION,
 )
 from studies.pareto.reference import column_errors, reference
-from studies.pareto.runs import Timing, run_case
+from studies.pareto.runs import run_case
+from studies.pareto.timing import Timing, side_by_side
 
 POISSON = PROBLEMS[CUBE].nus
 #: Cells per metre of the reference of the column in the short form.
 QUICK_REFERENCE = 6
-FULL, QUICK, UNTIMED = Timing(0.1, 5), Timing(0.03, 3), Timing(0.0, 0)
+FULL, QUICK = Timing(0.1, 7), Timing(0.03, 3)
 RUN = ["nu", "method", "cells"]
+#: Columns that the timing gives.
+TIMED = ["step_cpu_s", "step_cpu_spread", "repeats", "window_steps"]
 #: Columns of the main table; errors are shares, costs CPU seconds of one thread and bytes.
 COLUMNS = [
     "scene", *RUN, "solver", "formulation", "stabilisation", "operator", "projection", "integrator",
@@ -108,25 +112,48 @@ def short(scene: str, nu: float) -> tuple[Method, ...]:
     return PACKAGE, LATTICE[6], MIXED[P_F], MIXED[PFJ], PLAIN[P_F], compared(nu)[-3], B_BAR
 
 
-def _case(scene: str, nu: float, method: Method, cells: int, timing: Timing) -> Case:
+def _cells(method: Method, cells: int) -> int:
+    """Elements of second order have nodes at half their edge: an even number of cells of these."""
     edge = 2 if method == TAYLOR_HOOD else 1
-    on = edge * -(-cells // edge)
+    return edge * -(-cells // edge)
+
+
+def _case(scene: str, nu: float, method: Method, cells: int, *, is_reference: bool = False) -> Case:
+    on = _cells(method, cells)
     cost = PROBLEMS[scene].cost(nu, on) * (3.0 if "H6" in method.name else 1.0)
-    key = f"{scene} nu {nu:g} {method.name} 1/{on}" + ("" if timing.repeats else " reference")
+    key = f"{scene} nu {nu:g} {method.name} 1/{on}" + (" reference" if is_reference else "")
     arguments = {"scene": scene, "nu": nu, "method": method, "cells": on, "until": END}
+    return Case(key, run_case, arguments | {"compared": not is_reference}, cost)
+
+
+def _timing(scene: str, nu: float, runs: Sequence[tuple[Method, int]], timing: Timing) -> Case:
     # Windows of a timing, and at least two steps in each.
-    windows = (1.0 + timing.repeats) * max(timing.window_s, 2e-6 * on**3)
-    return Case(key, run_case, arguments | {"timing": timing}, cost + windows)
+    windows = sum(max(timing.window_s, 2e-6 * cells**3) for _, cells in runs)
+    arguments = {"scene": scene, "nu": nu, "compared": runs, "timing": timing}
+    key = f"{scene} nu {nu:g}, timed side by side"
+    return Case(key, side_by_side, arguments, (1.0 + timing.rounds) * windows)
 
 
 def cases(given: argparse.Namespace) -> list[Case]:
-    """Every run of the study, each once."""
-    made = {case.key: case for case in _all(given.quick)}
-    return list(made.values())
+    """Every run of the study, each once; those of a problem and Poisson's ratio share a timing."""
+    made: dict[str, Case] = {}
+    timed: dict[tuple[str, float], list[tuple[Method, int]]] = {}
+    for scene, nu, method, cells in _all(given.quick):
+        case = _case(scene, nu, method, cells)
+        if case.key not in made:
+            made[case.key] = case
+            timed.setdefault((scene, nu), []).append((method, _cells(method, cells)))
+    cells = QUICK_REFERENCE if given.quick else PROBLEMS[COLUMN].finest
+    known = [
+        _case(COLUMN, nu, method, cells, is_reference=True)
+        for nu in POISSON for method in REFERENCES
+    ]  # fmt: skip
+    timing = QUICK if given.quick else FULL
+    return [*made.values(), *known, *(_timing(*of, runs, timing) for of, runs in timed.items())]
 
 
-def _all(quick: bool) -> Iterator[Case]:
-    timing = QUICK if quick else FULL
+def _all(quick: bool) -> Iterator[tuple[str, float, Method, int]]:
+    """Scene, Poisson's ratio, method and cells per metre of all that is compared."""
     for scene, problem in PROBLEMS.items():
         for nu in problem.nus:
             for method in short(scene, nu) if quick else methods_of(scene, nu):
@@ -134,23 +161,21 @@ def _all(quick: bool) -> Iterator[Case]:
                 if not quick and goes_finest(scene, method, nu):
                     levels = (*levels, problem.finest)
                 for cells in levels:
-                    yield _case(scene, nu, method, cells, timing)
+                    yield scene, nu, method, cells
     for nu in POISSON:
         for method in () if quick and nu > POISSON[0] else options():
-            yield _case(CUBE, nu, method, PROBLEMS[CUBE].quick[0] if quick else 16, timing)
-        for method in REFERENCES:
-            cells = QUICK_REFERENCE if quick else PROBLEMS[COLUMN].finest
-            yield _case(COLUMN, nu, method, cells, UNTIMED)
+            yield CUBE, nu, method, PROBLEMS[CUBE].quick[0] if quick else 16
 
 
 def warm_up(given: argparse.Namespace) -> list[Case]:
     """Tiny runs that compile every kernel of the study."""
-    tiny = [
-        _case(scene, POISSON[1], method, 2, Timing(1e-3, 1))
-        for scene in (CUBE, COLUMN, JITTERED, TETRAHEDRA)
-        for method in methods_of(scene, POISSON[1])
-    ]  # fmt: skip
-    return [Case(each.key, each.run, dict(each.arguments) | {"until": 2e-3}) for each in tiny]
+    tiny = []
+    for scene in (CUBE, COLUMN, JITTERED, TETRAHEDRA):
+        methods = methods_of(scene, POISSON[1])
+        runs = [_case(scene, POISSON[1], method, 2) for method in methods]
+        tiny += [Case(one.key, one.run, dict(one.arguments) | {"until": 2e-3}) for one in runs]
+        tiny.append(_timing(scene, POISSON[1], [(each, 2) for each in methods], Timing(1e-3, 1)))
+    return tiny
 
 
 def tables(rows: list[Row]) -> Tables:
@@ -158,11 +183,13 @@ def tables(rows: list[Row]) -> Tables:
     ``by_method`` with ``medians``, ``equal_cost``, ``options``, ``recommendation``, ``reference``
     and ``history``.
     """
-    everything = pd.DataFrame(rows, columns=["kind", *RUN] if not rows else None)
+    everything = pd.DataFrame(rows, columns=None if rows else ["kind", "scene", *RUN])
     of_history = ["scene", *RUN, "time [s]", "twist [rad]", "energy [J]"]
     history = select(everything, kind="instant").reindex(columns=of_history)
     known = reference(history)
-    runs = select(everything, kind="run").dropna(axis=1, how="all")
+    runs = select(everything, kind="run").drop(columns=TIMED, errors="ignore")
+    timings = select(everything, kind="timing").reindex(columns=["scene", *RUN, *TIMED])
+    runs = runs.merge(timings, on=["scene", *RUN], how="left").dropna(axis=1, how="all")
     table = main_table(runs, column_errors(history, known))
     of_compared = [method.name for method in compared(POISSON[0])]
     iso = iso_table(table[table["method"].isin(of_compared)])

@@ -1,7 +1,4 @@
-"""One run of a problem: its errors on all threads, then the cost of its step on one.
-
-*CPU seconds*: ``process_time`` of a window of steps on one thread, repeated; the least counts,
-since whatever else the machine does can only add.  Neither compilation nor set-up is in it.
+"""One run of a problem: its errors, what it holds and the work that is counted.
 
 *Bytes*: all arrays reachable from the simulation, each once, one rule for particles and elements.
 
@@ -32,7 +29,6 @@ from sphsolid.compiled import set_threads, threads
 from sphsolid.geometry.edges import edges_of
 from sphsolid.scenes import Scene
 from studies.engine.case import Row
-from studies.measures.rhythm import cycle
 from studies.methods import Elements, Method
 from studies.pareto.problems import PROBLEMS
 
@@ -42,37 +38,6 @@ from studies.pareto.problems import PROBLEMS
 REAL = 8
 #: Nodes and Gauss points of an element, by its name.
 ELEMENTS = {"b_bar_hex": (8, 8), "taylor_hood_hex": (27, 27)}
-
-
-@dataclass(frozen=True)
-class StepCost:
-    """Least CPU seconds a step, spread of the repeats over it, and how it was measured."""
-
-    seconds: float
-    spread: float
-    repeats: int
-    window: int
-
-
-def step_cost(sim: Any, *, window_s: float, repeats: int) -> StepCost:
-    """Time ``repeats`` windows of about ``window_s`` CPU seconds; at least two steps each.
-
-    A window holds whole cycles (see :mod:`studies.measures.rhythm`).
-    """
-    sim.advance(sim.stable_time_step())
-    whole = cycle(sim)
-    guess = _cpu_seconds(sim, max(2, whole))
-    steps = whole * max(-(-2 // whole), round(window_s / guess / whole))
-    found = [_cpu_seconds(sim, steps) for _ in range(repeats)]
-    least = min(found)
-    return StepCost(least, max(found) / least - 1.0, repeats, steps)
-
-
-def _cpu_seconds(sim: Any, steps: int) -> float:
-    started = time.process_time()
-    for _ in range(steps):
-        sim.advance(sim.stable_time_step())
-    return (time.process_time() - started) / steps
 
 
 def held_bytes(owner: Any) -> int:
@@ -189,18 +154,12 @@ def _of_elements(sim: fem.Simulation) -> Work:
 # --- a run ----------------------------------------------------------------------------------------
 
 
-@dataclass(frozen=True)
-class Timing:
-    """The least of ``repeats`` windows of ``window_s`` CPU seconds; none for a reference."""
-
-    window_s: float
-    repeats: int
-
-
 def run_case(
-    *, scene: str, nu: float, method: Method, cells: int, until: float, timing: Timing
+    *, scene: str, nu: float, method: Method, cells: int, until: float, compared: bool
 ) -> list[Row]:
     """Rows of two kinds: one ``run``, and for the column an ``instant`` a record.
+
+    What only serves as reference is not ``compared`` and has no cost.
 
     Bits do not depend on the number of threads, so the error comes from a run on all of them.
     """
@@ -214,7 +173,7 @@ def run_case(
     }  # fmt: skip
     named = {"scene": scene, "nu": nu, "method": method.name, "cells": cells}
     bare = problem.timed(nu, cells, elements=elements)
-    cost = _cost(method, bare, cells, timing) if timing.repeats else {}
+    cost = _cost(method, bare, cells) if compared else {}
     rows = [{"kind": "run"} | named | setting(sim) | found | cost]
     return rows + [{"kind": "instant"} | named | row for row in instants]
 
@@ -239,21 +198,18 @@ def _stabilisation(option: Any) -> str:
     return "restraint" if isinstance(option, sph.Restraint) else "none"
 
 
-def _cost(method: Method, problem: Scene, cells: int, timing: Timing) -> Row:
+def _cost(method: Method, problem: Scene, cells: int) -> Row:
     available = threads()
     set_threads(1)
     try:
         started = time.process_time()
         sim = method.simulation(problem, spacing=1.0 / cells)
         setup = time.process_time() - started
-        step = step_cost(sim, window_s=timing.window_s, repeats=timing.repeats)
     finally:
         set_threads(available)
     work = counted_work(sim)
     return {
-        "evaluations_per_step": evaluations_per_step(sim), "step_cpu_s": step.seconds,
-        "step_cpu_spread": step.spread, "repeats": step.repeats, "window_steps": step.window,
-        "setup_cpu_s": setup, "bytes": held_bytes(sim), "pairs": work.pairs,
-        "gathered_bytes": work.gathered, "streamed_bytes": work.streamed,
-        "multiply_adds": work.multiply_adds,
+        "evaluations_per_step": evaluations_per_step(sim), "setup_cpu_s": setup,
+        "bytes": held_bytes(sim), "pairs": work.pairs, "gathered_bytes": work.gathered,
+        "streamed_bytes": work.streamed, "multiply_adds": work.multiply_adds,
     }  # fmt: skip

@@ -11,7 +11,7 @@ from __future__ import annotations
 import argparse
 import itertools
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -25,7 +25,7 @@ from studies.engine.provenance import cores
 from studies.engine.study import Case, Claim, Results, Row, Study, Tables
 from studies.measures.tables import select
 from studies.methods import B_BAR, DISPLACEMENT, PACKAGE, PAPER, SUPG, UNSTABILISED, Method
-from studies.speed.timings import column, machine_speed, plain, start_up, step
+from studies.speed.timings import column, in_turns, machine_speed, plain, start_up, step
 
 PF, PFJ, PFHJ, PLAIN = FORMULATIONS = (sph.PF(), sph.PFJ(), sph.PFHJ(), sph.Displacement())
 DEFAULT, OWN_SUPG, PAPERS = PACKAGE, SUPG.but(formulation=PFJ), PAPER.but(formulation=PFJ)
@@ -45,6 +45,8 @@ JITTER, MORE_JITTER = 0.2, 0.4
 #: along an edge; nanoseconds on jitter 0.4 with all threads; share of what the machine can do;
 #: all threads over one; bytes a particle on a lattice.
 OVER_ELEMENTS = {8: 1.2, 16: 0.85, 32: 0.6, 64: 0.6}
+#: Cells along an edge on which all methods take turns.
+USUAL = 32
 ON_DISORDER, SHARE, THREADS_OVER_ONE, BYTES = 300.0, 0.5, 1.8, 400.0
 COLUMNS = {
     "table": [
@@ -56,6 +58,7 @@ COLUMNS = {
         "method", "cloud", "cells", "particles", "threads", "pass", "ns_per_particle",
         "flops_per_particle", "traffic_per_particle", "roofline_share",
     ],
+    "turns": ["method", "cells", "particles", "threads", "ns_per_particle_step", "spread"],
     "machine": ["threads", "bandwidth", "flops"],
     "column": [
         "method", "integrator", "particles", "steps", "evaluations", "cpu_s",
@@ -64,7 +67,7 @@ COLUMNS = {
     "plain": ["particles", "ns_plain", "ns_compiled", "ratio"],
     "start": ["cold_s", "warm_s"],
 }  # fmt: skip
-KINDS = {"table": "step", "passes": "pass"}
+KINDS = {"table": "step", "passes": "pass", "turns": "turn"}
 
 
 def options() -> list[Method]:
@@ -88,6 +91,12 @@ def _step(method: Method, cells: int, threads: int, jitter: float = 0.0) -> Case
     return Case(key, step, arguments, 1.0 + (cells / 32) ** 3)
 
 
+def _turns(cells: int, counts: Sequence[int]) -> Case:
+    methods = (DEFAULT, B_BAR, PAPERS, OWN_SUPG) if cells == USUAL else (DEFAULT, B_BAR)
+    arguments = {"methods": methods, "cells": cells, "threads": tuple(counts)}
+    return Case(f"in turns 1/{cells}", in_turns, arguments, 2.0 + (cells / 32) ** 3)
+
+
 def cases(given: argparse.Namespace) -> list[Case]:
     """33^3 on one and all threads; the full form adds options, sizes, disorder and the column."""
     most = given.threads
@@ -95,6 +104,7 @@ def cases(given: argparse.Namespace) -> list[Case]:
     listed = [Case(f"machine {n}", machine_speed, {"threads": n}, 0.5) for n in counts]
     first = (DEFAULT, OWN_SUPG, PAPERS, B_BAR)
     listed += [_step(method, 32, n) for n in counts for method in first]
+    listed += [_turns(cells, counts) for cells in ([USUAL] if given.quick else OVER_ELEMENTS)]
     if given.quick:
         return listed
     listed += [_step(method, 32, most) for method in options() if method != OWN_SUPG]
@@ -122,7 +132,7 @@ def warm_up(given: argparse.Namespace) -> list[Case]:
 
 
 def tables(rows: list[Row]) -> Tables:
-    """``table`` of steps, ``passes``, ``machine``, ``column``, ``plain`` and ``start``."""
+    """``table`` of steps, ``passes``, ``turns``, ``machine``, ``column``, ``plain``, ``start``."""
     everything = pd.DataFrame(rows, columns=None if rows else ["kind"])
     found = {}
     for name, columns in COLUMNS.items():
@@ -159,6 +169,10 @@ def _aims(tables: Tables) -> Iterator[Claim]:
         rows = select(steps, **({"method": method.name, "threads": most} | wanted))
         return float(rows[column].min())
 
+    def in_turn(method: Method, cells: int, threads: int) -> float:
+        rows = select(tables["turns"], method=method.name, cells=cells, threads=threads)
+        return float(rows["ns_per_particle_step"].min())
+
     aim = partial(Claim, format=".4g")
     disorder, more = (f"jitter {jitter:g}" for jitter in (JITTER, MORE_JITTER))
     usual: dict[str, Any] = {"cloud": "lattice", "cells": 32}
@@ -180,14 +194,13 @@ def _aims(tables: Tables) -> Iterator[Claim]:
         held = least(PAPERS, "bytes_per_particle", cloud=cloud)
         yield aim(f"bytes a particle, {cloud}", held, "<=", asked)
     for method, name in _NAMES.items() if most > 1 else ():
-        gain = least(method, **usual, threads=1) / least(method, **usual)
+        gain = in_turn(method, USUAL, 1) / in_turn(method, USUAL, most)
         yield aim(f"{most} threads over one, {name} step", gain, ">=", THREADS_OVER_ONE)
     for count, (cells, asked) in itertools.product(
         sorted({1, most}, reverse=True), OVER_ELEMENTS.items()
     ):
-        here = usual | {"cells": cells, "threads": count}
         what = f"particle-step of the default over element-step, {cells + 1}^3, {count} thread(s)"
-        yield aim(what, least(DEFAULT, **here) / least(B_BAR, **here), "<=", asked)
+        yield aim(what, in_turn(DEFAULT, cells, count) / in_turn(B_BAR, cells, count), "<=", asked)
     what = f"a particle-step of the default, {more}"
     yield aim(what, least(DEFAULT, cloud=more), "<=", ON_DISORDER, unit="ns")
     if "roofline_share" in steps:

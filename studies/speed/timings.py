@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import itertools
 import os
 import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import fem_reference as fem
@@ -18,6 +20,7 @@ from sphsolid.scenes import swinging_cube, twisting_column
 from studies.engine.case import Row
 from studies.measures.rhythm import cycle
 from studies.measures.run import run
+from studies.measures.turns import take_turns
 from studies.methods import PAPER, Method
 from studies.speed import machine
 from studies.speed.passes import lean_needs, passes, update_bytes
@@ -25,6 +28,8 @@ from studies.speed.plain_step import PlainStepper
 
 #: Fastest of this many timings; the machine is shared, the minimum is what it can do.
 REPEATS = 5
+#: Turns of what is timed side by side, and seconds of each.
+ROUNDS, WINDOW = 9, 0.1
 #: End of the column's run [s].
 END = 0.1
 _START = """
@@ -111,6 +116,49 @@ def step(
         "traffic_per_particle": (moved + update_bytes(sim)) / size,
     }
     return [*rows, common | whole | of_particles]
+
+
+@dataclass(frozen=True)
+class OnThreads:
+    """``sim`` with so many kernel ``threads``."""
+
+    sim: Any
+    threads: int
+
+    @property
+    def stabilisation(self) -> Any:
+        """That of ``sim``, which says what a cycle is."""
+        return getattr(self.sim, "stabilisation", None)
+
+    def stable_time_step(self) -> float:
+        """The step [s], from which on the threads are these."""
+        set_threads(self.threads)
+        return float(self.sim.stable_time_step())
+
+    def advance(self, dt: float) -> None:
+        """One step of ``sim``."""
+        self.sim.advance(dt)
+
+
+def in_turns(*, methods: Sequence[Method], cells: int, threads: Sequence[int]) -> list[Row]:
+    """One row of ``turns`` for each method and number of threads, timed side by side."""
+    scene, rows = swinging_cube(amplitude=1.0e-7), []
+    sims = [method.simulation(scene, spacing=1.0 / cells) for method in methods]
+    timed = take_turns(
+        [OnThreads(sim, count) for sim in sims for count in threads],
+        rounds=ROUNDS, window_s=WINDOW, clock=time.perf_counter,
+    )  # fmt: skip
+    for (method, count), each in zip(itertools.product(methods, threads), timed, strict=True):
+        sim = each.sim.sim
+        size = cells**3 if isinstance(sim, fem.Simulation) else sim.cloud.size
+        rows.append(
+            {
+                "kind": "turn", "method": method.name, "cells": cells, "particles": size,
+                "threads": count, "ns_per_particle_step": 1.0e9 * each.least / size,
+                "spread": each.spread,
+            }
+        )  # fmt: skip
+    return rows
 
 
 def _storage(sim: sph.Simulation) -> str:

@@ -15,8 +15,20 @@ from sphsolid.defaults import default_stabilisation
 from sphsolid.scenes import twisting_column
 from studies.engine.results import Results
 from studies.engine.text import document
+from studies.measures.turns import Windows
 from studies.methods import B_BAR, DISPLACEMENT, LATTICE, PACKAGE, TAYLOR_HOOD
-from studies.pareto import COLUMNS, POISSON, STUDY, cases, claims, counts, runs, tables, words
+from studies.pareto import (
+    COLUMNS,
+    POISSON,
+    STUDY,
+    cases,
+    claims,
+    counts,
+    runs,
+    tables,
+    timing,
+    words,
+)
 from studies.pareto import problems as of_problems
 from studies.pareto.choice import FAMILIES, SAME_COST, WITHIN, chosen, recommendation
 from studies.pareto.figures import at_cost, by_error, by_scene
@@ -72,7 +84,7 @@ from studies.pareto.problems import (
     timed,
 )
 from studies.pareto.reference import column_errors, limit, reference, spread
-from studies.pareto.runs import Timing, run_case
+from studies.pareto.runs import run_case
 
 LEVELS = np.array([4.0, 8.0, 16.0])
 POWERS = {"particles": LEVELS**3, "cpu_s_per_s": 2.0 * LEVELS**4, "bytes": 100.0 * LEVELS**3}
@@ -449,16 +461,18 @@ def test_memory_is_counted_once_and_by_one_rule():
     assert 1.0 <= runs.held_bytes(sim) / sim.memory_bytes() < 1.2
 
 
-def test_the_least_of_the_windows_counts(monkeypatch):
-    """A clock that runs slowly in the third window of four."""
-    ticks = iter([0.0, 2.0, *(t for k, s in enumerate((9.0, 6.0, 5.0, 8.0)) for t in (k, k + s))])
-    monkeypatch.setattr(runs.time, "process_time", lambda: next(ticks))
-    sim = B_BAR.simulation(timed(CUBE, 0.3), spacing=0.5)
-    found = runs.step_cost(sim, window_s=5.0, repeats=4)
-    assert (found.window, found.repeats) == (5, 4)
-    assert found.seconds == pytest.approx(1.0)
-    assert found.spread == pytest.approx(0.8)
-    assert sim.step == 1 + 2 + 4 * 5
+def test_all_that_is_compared_is_timed_in_turns(monkeypatch):
+    """A machine that slows down for one round slows all methods by the same share, and no least."""
+    pace = iter([1.0] * 2 + [3.0] * 2 + [1.0] * 2)
+    monkeypatch.setattr(Windows, "__post_init__", lambda self: setattr(self, "steps", 1))
+    monkeypatch.setattr(Windows, "_seconds", lambda self, steps: next(pace))
+    both = ((B_BAR, 2), (PACKAGE, 3))
+    before = threads()
+    rows = timing.side_by_side(scene=CUBE, nu=0.3, compared=both, timing=timing.Timing(0.1, 3))
+    assert threads() == before, "the threads are given back"
+    assert next(pace, None) is None
+    assert [(row["method"], row["cells"]) for row in rows] == [(B_BAR.name, 2), (PACKAGE.name, 3)]
+    assert all(row["step_cpu_s"] == 1.0 and row["step_cpu_spread"] == 2.0 for row in rows)
 
 
 def test_counted_work_grows_with_terms_and_fields():
@@ -508,8 +522,12 @@ def test_a_handful_of_runs_becomes_tables_and_a_report(tmp_path):
         for method in (MIXED[PFJ], B_BAR):
             for cells in (2, 3):
                 rows += run_case(scene=scene, nu=0.3, method=method, cells=cells, until=until,
-                                 timing=Timing(1e-3, 3))  # fmt: skip
-    rows += run_case(scene=COLUMN, nu=0.3, method=B_BAR, cells=4, until=4e-3, timing=Timing(0.0, 0))
+                                 compared=True)  # fmt: skip
+        both = [(method, cells) for method in (MIXED[PFJ], B_BAR) for cells in (2, 3)]
+        rows += timing.side_by_side(
+            scene=scene, nu=0.3, compared=both, timing=timing.Timing(1e-3, 3)
+        )
+    rows += run_case(scene=COLUMN, nu=0.3, method=B_BAR, cells=4, until=4e-3, compared=False)
     assert threads() == before, "the threads are given back"
     made = tables(rows)
     table, iso = made["table"], made["iso_error"]
@@ -549,14 +567,13 @@ def test_a_handful_of_runs_becomes_tables_and_a_report(tmp_path):
 )
 def test_waves_are_runs_of_the_study_too(scene, cells, column):
     elements, particles = (
-        run_case(scene=scene, nu=0.3, method=method, cells=cells, until=0.1,
-                 timing=Timing(1e-3, 3))[0]
+        run_case(scene=scene, nu=0.3, method=method, cells=cells, until=0.1, compared=True)[0]
         for method in (B_BAR, PACKAGE)
     )  # fmt: skip
     for row in (elements, particles):
         assert row["survived"]
         assert 0.0 < row[column] < 0.6
-        assert row["step_cpu_s"] > 0.0
+        assert row["setup_cpu_s"] > 0.0
     assert (particles["stabilisation"], particles["formulation"]) == ("restraint", "displacement")
     assert particles["operator"].startswith("LatticeDifference")
     assert particles["gathered_bytes"] > 0.0
@@ -586,11 +603,11 @@ def test_a_solution_that_diverged_is_a_row(monkeypatch):
     monkeypatch.setattr(
         type(sim), "run", lambda s, **k: before(s, **k) if s.step < 3 else fails(s)
     )
-    row = run_case(scene=CUBE, nu=0.3, method=B_BAR, cells=2, until=0.1, timing=Timing(1e-3, 3))[0]
+    row = run_case(scene=CUBE, nu=0.3, method=B_BAR, cells=2, until=0.1, compared=True)[0]
     assert row["survived"] is False
     assert row["why"] == "negative Jacobian"
     assert "momentum" not in row
-    assert row["step_cpu_s"] > 0.0
+    assert row["bytes"] > 0
 
 
 def fails(sim):
@@ -602,12 +619,24 @@ def fails(sim):
 @pytest.mark.parametrize("quick", [True, False])
 def test_the_study_lists_each_case_once_one_at_a_time(quick):
     listed = cases(argparse.Namespace(quick=quick))
-    runs = pd.DataFrame([dict(case.arguments) for case in listed])
+    given = [dict(case.arguments) for case in listed]
+    runs = pd.DataFrame([each for each in given if "method" in each])
     runs["name"] = [method.name for method in runs["method"]]
-    untimed = runs["timing"].map(lambda timing: timing.repeats) == 0
-    assert set(runs[untimed]["scene"]) == {COLUMN}
+    assert set(runs[~runs["compared"]]["scene"]) == {COLUMN}
     assert set(runs["scene"]) == set(PROBLEMS)
-    assert len(listed) == (104 if quick else 525)
+    assert len(runs) == (104 if quick else 525)
+    # What is compared is timed once, beside all of its problem and Poisson's ratio.
+    timings = [each for each in given if "timing" in each]
+    timed_runs = [
+        (each["scene"], each["nu"], method.name, cells)
+        for each in timings for method, cells in each["compared"]
+    ]  # fmt: skip
+    run = runs[runs["compared"]]
+    assert sorted(timed_runs) == sorted(
+        zip(run["scene"], run["nu"], run["name"], run["cells"], strict=True)
+    )
+    problems = {(scene, nu) for scene, problem in PROBLEMS.items() for nu in problem.nus}
+    assert len(timings) == len(listed) - len(runs) <= len(problems)
     assert (runs[runs["name"] == TAYLOR_HOOD.name]["cells"] % 2 == 0).all()
     if not quick:
         finest = runs[(runs["scene"] == CUBE) & (runs["cells"] == 32)]

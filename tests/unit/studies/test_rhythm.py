@@ -8,8 +8,8 @@ import sphsolid as sph
 from sphsolid.scenes import swinging_cube
 from sphsolid.scheme.restraint_term import CYCLE, PUSHES
 from studies.measures.rhythm import cycle, viscous_share
+from studies.measures.turns import Windows
 from studies.methods import B_BAR, PACKAGE, SUPG
-from studies.pareto.runs import step_cost
 
 SCENE = swinging_cube(poisson_ratio=0.3)
 
@@ -33,6 +33,6 @@ def test_a_cycle_is_that_of_the_viscosity() -> None:
 @pytest.mark.parametrize("window_s", [0.0, 1e-3, 0.02])
 def test_a_window_has_whole_cycles(window_s: float) -> None:
     sim = PACKAGE.simulation(SCENE, spacing=0.25)
-    found = step_cost(sim, window_s=window_s, repeats=1)
-    assert found.window % CYCLE == 0
-    assert found.window >= CYCLE
+    steps = Windows(sim, window_s).steps
+    assert steps % CYCLE == 0
+    assert steps >= CYCLE

@@ -24,7 +24,7 @@ from studies.speed import (
     words,
 )
 from studies.speed.passes import passes
-from studies.speed.timings import step
+from studies.speed.timings import in_turns, step
 
 
 @pytest.fixture(autouse=True)
@@ -67,6 +67,17 @@ def test_a_step_of_the_default_is_timed_as_a_whole(jitter):
     assert (row["traffic_per_particle"] > 1.01 * least) == bool(jitter)
 
 
+def test_methods_and_threads_take_turns():
+    rows = in_turns(methods=(DEFAULT, B_BAR), cells=3, threads=(1, 2))
+    told = [(row["method"], row["threads"], row["particles"]) for row in rows]
+    assert told == [
+        (DEFAULT.name, 1, 4**3), (DEFAULT.name, 2, 4**3), (B_BAR.name, 1, 3**3),
+        (B_BAR.name, 2, 3**3),
+    ]  # fmt: skip
+    assert all(row["ns_per_particle_step"] > 0.0 and row["spread"] >= 0.0 for row in rows)
+    assert list(tables(rows)["turns"]) == COLUMNS["turns"]
+
+
 def test_passes_that_are_absent_are_not_listed():
     bare = options()[0].simulation(sph.scenes.swinging_cube(), spacing=1 / 3)
     names = [each.name for each in passes(bare)]
@@ -97,6 +108,7 @@ def made_up(paper=300.0, own=250.0, one=600.0, jitter=700.0, fem=400.0, column=0
     ]  # fmt: skip
     return {
         "table": pd.DataFrame(steps),
+        "turns": pd.DataFrame(steps),
         "column": pd.DataFrame([{"integrator": "V", "cpu_ms_per_particle": column}]),
         "start": pd.DataFrame([{"cold_s": 30.0, "warm_s": 2.0}]),
     }
@@ -128,7 +140,7 @@ def of_default(over=0.5, one=0.55, disorder=250.0, share=0.6, gain=1.9, held=350
             ]
     rows.append(rows[0] | {"cloud": "jitter 0.4", "ns_per_particle_step": disorder})
     nothing = {"column": pd.DataFrame(), "start": pd.DataFrame()}
-    return {"table": pd.DataFrame(rows)} | nothing
+    return {"table": pd.DataFrame(rows), "turns": pd.DataFrame(rows[:-1])} | nothing
 
 
 @pytest.mark.parametrize(
@@ -155,4 +167,4 @@ def test_each_target_of_the_default_can_be_missed(change, missed):
 def test_every_timing_is_listed_once():
     for quick in (True, False):
         listed = cases(argparse.Namespace(quick=quick, threads=2))
-        assert len({case.key for case in listed}) == len(listed) == (10 if quick else 66)
+        assert len({case.key for case in listed}) == len(listed) == (11 if quick else 70)
