@@ -38,6 +38,7 @@ from sphsolid.record.placement import Placement
 from sphsolid.record.probes import check_probes
 from sphsolid.run.base import BaseSimulation
 from sphsolid.run.running_budget import Works
+from sphsolid.run.team import by_team, step_by_team
 from sphsolid.scenes.checks import as_float, number
 from sphsolid.scenes.scene import Scene, check_scene
 from sphsolid.scenes.stated_deformation import NOT_USED, refuse_contradiction
@@ -115,6 +116,7 @@ class MixedSimulation(BaseSimulation):
         )
 
     # ------------------------------------------------------------------ steps
+    @by_team
     def stable_time_step(self) -> float:
         """``cfl * length / (c_p / min_a lambda_a)`` [s].
 
@@ -134,6 +136,7 @@ class MixedSimulation(BaseSimulation):
             raise Diverged(reason, self.time, self.step, a, at, advice)
         return self.cfl * self._crossing * float(least[a])
 
+    @step_by_team
     def advance(self, dt: float) -> None:
         """One step of ``dt`` [s]; intrinsic times follow the stable step of now."""
         start = time.perf_counter()
@@ -234,7 +237,7 @@ class MixedSimulation(BaseSimulation):
                 f"  loads        {loads}",
                 *([f"  initial F    {NOT_USED}"] if self.scene.states_deformation else []),
                 f"  memory       {self._nbytes() / 2**20:.1f} MiB of arrays",
-                f"  threads      {threads()}",
+                f"  threads      at most {threads()}, as many as pay",
             )
         )
 
@@ -248,7 +251,7 @@ class MixedSimulation(BaseSimulation):
         speed = 1.0e9 * self._wall_time / (self.step * len(self._volumes))
         return (
             f"{done}, smallest dt {self._smallest_dt:.4g} s, {self._wall_time:.3g} s in steps = "
-            f"{speed:.0f} ns per node-step on {threads()} threads\n{positions}"
+            f"{speed:.0f} ns per node-step on at most {threads()} threads\n{positions}"
         )
 
     def _nbytes(self) -> int:

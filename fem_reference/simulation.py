@@ -39,6 +39,7 @@ from sphsolid.record.placement import Placement
 from sphsolid.record.probes import check_probes
 from sphsolid.run.base import BaseSimulation
 from sphsolid.run.running_budget import Works
+from sphsolid.run.team import by_team, step_by_team
 from sphsolid.scenes.checks import as_float, number
 from sphsolid.scenes.scene import Scene, check_scene
 from sphsolid.scenes.stated_deformation import NOT_USED, refuse_contradiction
@@ -144,6 +145,7 @@ class Simulation(BaseSimulation):
         """Number of elements; the cells of a snapshot's mesh are eight for each of a quadratic."""
         return self._elements.count
 
+    @by_team
     def stable_time_step(self) -> float:
         """``cfl * min_e (L_e lambda_e / max(1, Jbar_e)) / c_p`` [s].
 
@@ -166,6 +168,7 @@ class Simulation(BaseSimulation):
             )
         return self.cfl * length / self._wave_speed
 
+    @step_by_team
     def advance(self, dt: float) -> None:
         """One central-difference step of ``dt`` [s]; raises ``Diverged`` when ``J <= 0`` or nan."""
         start = time.perf_counter()
@@ -275,7 +278,7 @@ class Simulation(BaseSimulation):
                 f"  loads        {loads}",
                 *([f"  initial F    {NOT_USED}"] if self.scene.states_deformation else []),
                 f"  memory       {self._nbytes() / 2**20:.1f} MiB of arrays",
-                f"  threads      {threads()}",
+                f"  threads      at most {threads()}, as many as pay",
             )
         )
 
@@ -290,7 +293,7 @@ class Simulation(BaseSimulation):
         return (
             f"{done}; {elements} elements, {len(self._volumes)} nodes, smallest dt "
             f"{self._smallest_dt:.4g} s, {self._wall_time:.3g} s in steps = {speed:.0f} ns per "
-            f"element-step on {threads()} threads\n{positions}"
+            f"element-step on at most {threads()} threads\n{positions}"
         )
 
     def _accelerate(self, x: Array, t: float, acceleration: Array) -> None:

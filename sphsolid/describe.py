@@ -65,7 +65,7 @@ def plan(sim: Simulation) -> str:
         *_advice(sim),
         "by default     " + (", ".join(sim.by_default) or "nothing: every option was given"),
         f"memory         {memory / 1e6:.1f} MB, {memory / c.size:.0f} B a particle",
-        f"threads        {cost['threads']} ({cost['threading_layer']})",
+        f"threads        at most {cost['threads']}, as many as pay ({cost['threading_layer']})",
     ]
     return "\n".join(lines)
 

@@ -15,6 +15,7 @@ A vector field is seen as ``(N, 3)`` and a tensor field as ``(N, 3, 3)``, howeve
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import numpy as np
@@ -58,15 +59,18 @@ def tensor_field(size: int, *, particle_major: bool = False) -> Array:
 
 
 def _is_field(field: Array) -> bool:
+    # Asked for every array of every kernel of a step, so nothing is made here that is not needed.
     base = field.base
-    width = int(np.prod(field.shape[1:], dtype=int))
-    shapes = [(width, leading(len(field))), (leading(len(field)), 3, 3)]
-    return (
-        isinstance(base, np.ndarray)
-        and base.shape in shapes
-        and base.flags.c_contiguous
-        and field.ctypes.data == base.ctypes.data
+    if not isinstance(base, np.ndarray) or not base.flags.c_contiguous:
+        return False
+    row = leading(len(field))
+    return base.shape in ((math.prod(field.shape[1:]), row), (row, 3, 3)) and (
+        _address(field) == _address(base)
     )
+
+
+def _address(array: Array) -> int:
+    return int(array.__array_interface__["data"][0])
 
 
 def components(field: Array) -> Array:

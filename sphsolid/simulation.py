@@ -28,6 +28,7 @@ from sphsolid.record.placement import Placement
 from sphsolid.record.snapshot import Snapshot
 from sphsolid.run.base import BaseSimulation
 from sphsolid.run.running_budget import NotOpened, Works
+from sphsolid.run.team import by_team, step_by_team
 from sphsolid.scenes.scene import Scene
 from sphsolid.scenes.stated_deformation import refuse_contradiction
 from sphsolid.scheme.boundary import EssentialConditions, Loads
@@ -227,6 +228,7 @@ class Simulation(BaseSimulation):
         return {"method": "SPH"} | options | {"smoothing": smoothing, "cfl": cfl}
 
     # ------------------------------------------------------------------ a step
+    @by_team
     def stable_time_step(self) -> float:
         """Largest step allowed now [s]; raises ``Diverged`` when the state is invalid.
 
@@ -254,6 +256,7 @@ class Simulation(BaseSimulation):
         now = {name: f for name, f in self._rhs.of_geometry(self._state).items() if name != STRETCH}
         self._time_step.stable(State(**now), self.cloud.X, self.time, self.step)
 
+    @step_by_team
     def advance(self, dt: float) -> None:
         """One step of ``dt`` [s]; intrinsic times of the step are shares of the stable one."""
         if self._rhs.follows_step and math.isnan(self._allowed):

@@ -28,6 +28,7 @@ from sphsolid.record.samples import Sampler, Samples
 from sphsolid.record.snapshot import Snapshot
 from sphsolid.record.vtu import write_vtu
 from sphsolid.run.running_budget import NotOpened, RunningBudget, Works
+from sphsolid.run.team import Team
 from sphsolid.scenes.hidden_memory import refuse_hidden_memory
 from sphsolid.scenes.scene import Scene
 
@@ -62,6 +63,8 @@ class BaseSimulation(ABC):
         """``mesh`` whose vertices are the points of the method, with volumes ``V (N,)`` [m^3]."""
         refuse_hidden_memory(self.scene, mesh)
         self._points, self._volumes = mesh, V
+        #: The threads that take the steps.
+        self.team = Team(len(mesh.vertices))
         self._sampler = Sampler(self.scene, mesh)
         # One object for all snapshots, so that what is made for it can be kept.
         self._shown_mesh = protected(mesh)

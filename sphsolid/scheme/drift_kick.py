@@ -27,7 +27,7 @@ from sphsolid.scheme import tile as on_tile
 from sphsolid.scheme.boundary import EssentialConditions
 from sphsolid.scheme.energy_budget import NoBudget, StageBudget
 from sphsolid.scheme.right_hand_side import RightHandSide
-from sphsolid.scheme.stages import moved, pushed_by
+from sphsolid.scheme.stages import pushed_by
 from sphsolid.scheme.state import State
 from sphsolid.scheme.tile import STRIDE, U, load_lane, make_scratch, store_lane
 
@@ -123,6 +123,9 @@ class DriftKick:
         # Of the start of a kick nothing but p is needed later on, and that by a budget alone.
         self._p_start = vector_field(0)
         self._scratch = make_scratch()
+        self._x, self._p, self._force = (
+            components(field).reshape(-1) for field in (state.x, state.p, rhs.rates.p)
+        )
         self._kicks_J = any("J" in term.changes for term in rhs.terms)
         self._drifts = any(name in rhs.evolved for name in "FHJ")
         #: Fields that no drift moves, with their rates.
@@ -138,11 +141,11 @@ class DriftKick:
     def kick(self, b: float, at: float, imposed_at: float) -> None:
         """By ``b`` [s], with the loads of time ``at`` and the conditions of ``imposed_at``."""
         rhs, state, essential = self.rhs, self.state, self.essential
-        rates = rhs.evaluate(
+        rhs.evaluate(
             state, state.x, at, knows_L=self._drifts, derives_F=not rhs.formulation.evolves_F
         )
         p_start = self._kept(state.p)
-        moved(p_start, b, (0.5, 0.5), rates.p, rates.p, state.p)
+        pushed_by(b, self._force, self._p)
         held = essential.particles
         pushed = state.p[held]
         essential.impose(state.p, imposed_at)
@@ -176,7 +179,7 @@ class DriftKick:
                 self._p_of_L[:] = state.p
             _, F, H, J = state.rows()
             _drift(a, f.evolves_F, components(rhs.rates.F), F, H, J, self._scratch)
-        moved(state.x, a / density, (0.5, 0.5), state.p, state.p, state.x)
+        pushed_by(a / density, self._p, self._x)
         # The drift of J needs the F it starts from.
         if self._drifts and not f.evolves_F:
             rhs.deformation_gradient(state.x, state.F)

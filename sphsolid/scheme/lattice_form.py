@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import Any
 
 import numba
 import numpy as np
@@ -81,6 +82,7 @@ class LatticeRightHandSide(RightHandSide):
             self._grid, workers=numba.config.NUMBA_NUM_THREADS, filtered=smoothing > 0,
             restrained=self._restraint is not None, beta=self._rest > 0.0,
         )  # fmt: skip
+        self._known: tuple[State | None, Array | None, tuple[Any, ...]] = (None, None, ())
         # No stress is kept, nor a gradient.
         self.P = self.P_galerkin = tensor_field(0, particle_major=cloud.particle_major)
         self._F = tensor_field(0, particle_major=cloud.particle_major)
@@ -128,12 +130,14 @@ class LatticeRightHandSide(RightHandSide):
         return rates
 
     def _forces(self, state: State, arms: Array) -> None:
+        if self._known[0] is not state or self._known[1] is not arms:
+            # A state keeps its arrays; of a small body, finding their memory is most of a step.
+            rows = components(state.p), self._work, components(state[STRETCH])[0]
+            self._known = state, arms, (components(arms), *rows, components(self.rates.p))
         parts = _FREE if self._restraint is None else self._restraint.acting
         lattice_force.forces(
-            *self._grid, self._planes, self.material, self._rest, parts,
-            components(arms), components(state.p), self._work, components(state[STRETCH])[0],
-            components(self.rates.p),
-        )  # fmt: skip
+            *self._grid, self._planes, self.material, self._rest, parts, *self._known[2]
+        )
 
     def _keep(self, state: State, arms: Array) -> None:
         """What the powers of an evaluation are taken from."""
