@@ -35,11 +35,6 @@ class NodeIncidence:
         row = (block * cells.shape[1] + corner) * components
         return cls(start, (row * LANES + lane).astype(np.uint32))
 
-    @property
-    def nbytes(self) -> int:
-        """Memory of the arrays held."""
-        return self.start.nbytes + self.entries.nbytes
-
     def gather(self, element_values: Array, nodal_values: Array) -> None:
         """``nodal_values (N, 3)`` = sums of the entries in ``element_values (B, 3 n, LANES)``."""
         _gather_vectors(self.start, self.entries, element_values.reshape(-1), nodal_values)

@@ -94,16 +94,6 @@ class BBarHexElements:
         """Row-sum lumped volumes ``(N,)`` [m^3]."""
         return self.quadrature.nodal_volumes(self._nodes)
 
-    @property
-    def nbytes(self) -> int:
-        """Memory of all arrays held."""
-        q = self.quadrature
-        held = (
-            *(q.cells, q.volumes, q.centroid_gradients, q.corner_volumes, q.length),
-            *(self._corners, self._element_force, self._smallest_jacobian, self._shrinkage),
-        )
-        return sum(array.nbytes for array in held) + self._incidence.nbytes + self._maps.X.nbytes
-
     def internal_force(self, x: Array, force: Array) -> None:
         """``force (N, 3)`` [N] ``= dPi/dx`` at positions ``x (N, 3)`` [m]."""
         element_forces(

@@ -57,12 +57,6 @@ class CellTables:
         """Number of cells."""
         return len(self.tables.nodes)
 
-    @property
-    def nbytes(self) -> int:
-        """Memory of the arrays held."""
-        held = (*self.tables, self.V, self.start, self.entries)
-        return sum(array.nbytes for array in held)
-
 
 class CellKind(Protocol):
     """Which cells a mixed method fills the body with."""

@@ -179,15 +179,6 @@ class TouchCells:
             least = np.sqrt(np.linalg.eigvalsh(np.swapaxes(C, 1, 2) @ C)[:, 0].clip(0.0))
         return np.where(np.isfinite(J), np.where(J > 0.0, least, -1.0), -2.0)
 
-    @property
-    def nbytes(self) -> int:
-        """Memory of the maps and tables."""
-        m = self.maps
-        sparse = (m.to_left, m.to_right, m.from_faces, m.from_cells, m.balance)
-        held = sum(s.data.nbytes + s.indices.nbytes + s.indptr.nbytes for s in sparse)
-        dense = (m.V, m.X, m.gradients, m.faces.loops, m.faces.area, m.faces.X, self.boundary.Q)
-        return self.cells.nbytes + held + sum(array.nbytes for array in dense)
-
     def description(self) -> str:
         """One line for the plan of a run."""
         kind = "linear" if self.options.linear else "constant"

@@ -87,11 +87,6 @@ class Elements(Protocol):
         """Lumped volumes ``(N,)`` [m^3] of the nodes, all positive."""
         ...
 
-    @property
-    def nbytes(self) -> int:
-        """Memory of all arrays held."""
-        ...
-
     def internal_force(self, x: Array, force: Array) -> None:
         """Write the internal nodal forces ``(N, 3)`` [N] of positions ``x (N, 3)`` [m]."""
         ...

@@ -49,11 +49,6 @@ class EssentialConditions:
         """Those that move."""
         return tuple(part for part in self.parts if not part.is_fixed)
 
-    @property
-    def nbytes(self) -> int:
-        """Memory of the arrays held."""
-        return self.nodes.nbytes + self.free.nbytes
-
     def apply(self, velocity: Array, t: float) -> None:
         """Overwrite the constrained components of ``velocity (N, 3)`` [m/s] at time ``t``."""
         if len(self.nodes) == 0:

@@ -236,7 +236,7 @@ class MixedSimulation(BaseSimulation):
                 f"{len(self._essential.driven)} constraints with a prescribed motion",
                 f"  loads        {loads}",
                 *([f"  initial F    {NOT_USED}"] if self.scene.states_deformation else []),
-                f"  memory       {self._nbytes() / 2**20:.1f} MiB of arrays",
+                f"  memory       {self.memory_bytes() / 1e6:.1f} MB of arrays",
                 f"  threads      at most {threads()}, as many as pay",
             )
         )
@@ -253,12 +253,6 @@ class MixedSimulation(BaseSimulation):
             f"{done}, smallest dt {self._smallest_dt:.4g} s, {self._wall_time:.3g} s in steps = "
             f"{speed:.0f} ns per node-step on at most {threads()} threads\n{positions}"
         )
-
-    def _nbytes(self) -> int:
-        arrays = (value for value in vars(self).values() if isinstance(value, np.ndarray))
-        loads = sum(load.matrix.data.nbytes + load.matrix.indices.nbytes for load in self._loads)
-        held = sum(array.nbytes for array in arrays)
-        return held + self._cells.nbytes + self._essential.nbytes + loads
 
     # ------------------------------------------------------------------ what the base asks for
     def _motion(self) -> tuple[Array, Array]:

@@ -107,13 +107,6 @@ class NodalPressureElements:
         """A quarter of the volumes around each node ``(N,)`` [m^3]."""
         return self._V
 
-    @property
-    def nbytes(self) -> int:
-        """Memory of all arrays held."""
-        arrays = (value for value in vars(self).values() if isinstance(value, np.ndarray))
-        incidence = self._at_nodes.nbytes + self._scalars_at_nodes.nbytes
-        return sum(array.nbytes for array in arrays) + incidence
-
     def nodal_jacobians(self, x: Array) -> Array:
         """``J_a (N,)`` of positions ``x (N, 3)`` [m]."""
         deformed_volumes(x, self._nodes, self._inverse, self._lane_volumes, self._given_volume)

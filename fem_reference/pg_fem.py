@@ -133,12 +133,6 @@ class PGFEMCells:
             o.tau_F * dt, o.tau_H * dt, o.tau_J * dt, o.xi_F, o.xi_H, xi_J
         )
 
-    @property
-    def nbytes(self) -> int:
-        """Memory of all arrays held."""
-        arrays = (value for value in vars(self).values() if isinstance(value, np.ndarray))
-        return self.cells.nbytes + sum(array.nbytes for array in arrays)
-
     def start(self, x: Array) -> Array:
         """Strains ``(N, 19)`` of positions ``x (N, 3)``: ``F`` the projection of ``grad x``."""
         F = np.zeros((len(x), STRAINS))

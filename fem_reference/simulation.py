@@ -277,7 +277,7 @@ class Simulation(BaseSimulation):
                 f"{moving} constraints with a prescribed motion",
                 f"  loads        {loads}",
                 *([f"  initial F    {NOT_USED}"] if self.scene.states_deformation else []),
-                f"  memory       {self._nbytes() / 2**20:.1f} MiB of arrays",
+                f"  memory       {self.memory_bytes() / 1e6:.1f} MB of arrays",
                 f"  threads      at most {threads()}, as many as pay",
             )
         )
@@ -316,8 +316,3 @@ class Simulation(BaseSimulation):
             advice=f"a cfl below {self.cfl:g}, a finer mesh, or a smaller load",
         )
 
-    def _nbytes(self) -> int:
-        state = 3 * self._motion_now.x.nbytes + 2 * self._volumes.nbytes
-        state += self._points.vertices.nbytes
-        loads = sum(load.matrix.data.nbytes + load.matrix.indices.nbytes for load in self._loads)
-        return state + self._elements.nbytes + self._essential.nbytes + loads

@@ -146,17 +146,6 @@ class TaylorHoodElements:
         """Lumped volumes ``(N,)`` [m^3]: Simpson weights times ``det dX/dxi``."""
         return self._nodal_volumes
 
-    @property
-    def nbytes(self) -> int:
-        """Memory of all arrays held."""
-        held = (
-            *(self._cells, self._node_lanes, self._corner_lanes, self._maps.X, self._nodal_volumes),
-            *(self._mass.data, self._mass.indices, self._mass.indptr, self._excess, self._moments),
-            *(self._element_force, self._smallest_jacobian, self._shrinkage, self._part_volumes),
-        )
-        incidence = self._at_nodes.nbytes + self._at_corners.nbytes
-        return sum(array.nbytes for array in held) + incidence
-
     def dilatation(self, x: Array) -> Array:
         """``theta - 1 (Nc,)`` at the vertices of the hexahedra, of positions ``x (N, 3)`` [m]."""
         dilatation_moments(x, self._node_lanes, self._maps, self._excess)

@@ -208,7 +208,7 @@ class FiniteVolumeSimulation(BaseSimulation):
                 f"{math.ceil(remaining / dt)} steps to {self.scene.end_time:.4g} s at that",
                 f"  essential    {len(self._cells.boundary.held)} constrained faces",
                 *([f"  initial F    {NOT_USED}"] if self.scene.states_deformation else []),
-                f"  memory       {self._cells.nbytes / 2**20:.1f} MiB of arrays",
+                f"  memory       {self.memory_bytes() / 1e6:.1f} MB of arrays",
                 f"  threads      {threads()} (numpy takes one)",
             )
         )

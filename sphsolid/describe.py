@@ -3,17 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from sphsolid.cloud.cloud import Secondary
-from sphsolid.cloud.lattice.line_filter import LineFilter
 from sphsolid.cloud.lattice_difference import LatticeDifference
 from sphsolid.cloud.lengths import Local
-from sphsolid.cloud.linear_pair_filter import LinearPairFilter
-from sphsolid.cloud.pair_filter import PairFilter
 from sphsolid.compiled import description
 from sphsolid.defaults import (
     NotTabulated,
@@ -24,14 +19,11 @@ from sphsolid.defaults import (
 from sphsolid.recommendation import NotMeasured
 from sphsolid.scenes.stated_deformation import NOT_USED
 from sphsolid.scheme.intrinsic_time import Units
-from sphsolid.scheme.secondary_sums import SecondarySums
-from sphsolid.scheme.stages import Stages
 from sphsolid.scheme.time_step import STRETCH
 
 if TYPE_CHECKING:
     from sphsolid.simulation import Simulation
 
-_FILTERS = LineFilter | PairFilter | LinearPairFilter
 
 
 def plan(sim: Simulation) -> str:
@@ -39,11 +31,11 @@ def plan(sim: Simulation) -> str:
     f, c, step = sim.formulation, sim.cloud, sim._time_step
     cost: dict[str, Any] = description()
     steps = math.ceil(max(0.0, sim.scene.end_time - sim.time) / step.reference)
-    memory = memory_bytes(sim)
+    memory = sim.memory_bytes()
     lines = [
         f"scene          {sim.scene.name}: {sim.scene.provenance or 'no provenance given'}",
         f"particles      {c.size} primary, spacing {c.spacing:.4g} m, "
-        f"{c.kinematic.mean_neighbours:.1f} neighbours ({_support(sim)})",
+        f"{c.mean_neighbours:.1f} neighbours ({_support(sim)})",
         "material       " + _material(sim),
         f"operator       {sim.operator.name}, "
         + ("force and gradient adjoint" if c.is_adjoint else "not adjoint")
@@ -148,33 +140,6 @@ def _stabilisation(sim: Simulation) -> str:
     units = Units(sim._time_step.crossing, sim._time_step.reference)
     lines = [term.description(units) for term in sim._rhs.terms]
     return "; ".join(lines) or "none: no secondary particles are made"
-
-
-def memory_bytes(sim: Simulation) -> int:
-    """Bytes of all arrays that live during a run."""
-    rhs = sim._rhs
-    owners = [sim.cloud, rhs, rhs.operator, sim._stepper, sim._time_step, *rhs.terms]
-    held = [*sim.state.values(), *rhs.rates.values()]
-    for owner in owners:
-        held += _arrays(list(vars(owner).values()))
-    seen: dict[int, int] = {}
-    for array in held:
-        base = array if array.base is None else array.base
-        seen[id(base)] = getattr(base, "nbytes", array.nbytes)
-    return sum(seen.values())
-
-
-def _arrays(values: Sequence[Any]) -> list[Any]:
-    """The arrays among ``values``, also within sequences and what belongs to a term or stepper."""
-    found: list[Any] = []
-    for value in values:
-        if isinstance(value, np.ndarray):
-            found.append(value)
-        elif isinstance(value, list | tuple):
-            found += _arrays(value)
-        elif isinstance(value, Secondary | SecondarySums | Stages | _FILTERS):
-            found += _arrays(list(vars(value).values()))
-    return found
 
 
 def summary(sim: Simulation) -> str:

@@ -19,7 +19,7 @@ from sphsolid.continuum import law
 from sphsolid.continuum.tensor import determinant, split
 from sphsolid.continuum.wave_speed import reference_p_wave_speed
 from sphsolid.defaults import default_initial_strain, is_displacement_form, is_restraint
-from sphsolid.describe import memory_bytes, plan, summary
+from sphsolid.describe import plan, summary
 from sphsolid.errors import Diverged, require
 from sphsolid.geometry.body import AS_MESHED, Spacing
 from sphsolid.options import Options, choose, discretised
@@ -41,7 +41,7 @@ from sphsolid.scheme.initial_strain import Compatible, InitialStrain
 from sphsolid.scheme.integrator import Integrator, stepper_of
 from sphsolid.scheme.intrinsic_time import Units
 from sphsolid.scheme.lattice_form import LatticeRightHandSide, has_lattice_form
-from sphsolid.scheme.pair_sums import PairSums
+from sphsolid.scheme.lattice_operator import operator_on
 from sphsolid.scheme.projection import AngularMomentumTreatment
 from sphsolid.scheme.right_hand_side import RightHandSide
 from sphsolid.scheme.set_up import SetUp
@@ -100,6 +100,7 @@ class Simulation(BaseSimulation):
         self.h_over_dx = particles.h_over_dx
         self.refused, self.doubts = particles.refused, particles.doubts
         self.consistency = consistency_report(self.cloud, scene.body.volume)
+        self.cloud.tables.forget()
         self._take_points(self.cloud.mesh, self.cloud.V)
         self._set_up = self._made_set_up()
         self._rhs = self._right_hand_side()
@@ -124,8 +125,7 @@ class Simulation(BaseSimulation):
         return SetUp(
             material=law.in_kernels(self.material),
             cloud=self.cloud,
-            # An operator of another kind than sums over pairs brings its own door.
-            operator=getattr(self.operator, "applied", PairSums)(self.cloud),
+            operator=operator_on(self.cloud),
             formulation=self.formulation,
             projects=self.angular_momentum.projects,
             loads=Loads(self.scene, self.cloud),
@@ -305,10 +305,6 @@ class Simulation(BaseSimulation):
     def plan(self) -> str:
         """What is active and why, before anything runs."""
         return plan(self)
-
-    def memory_bytes(self) -> int:
-        """Bytes of all arrays that live during a run."""
-        return memory_bytes(self)
 
     def summary(self) -> str:
         """How far the run is and what it cost."""

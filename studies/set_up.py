@@ -63,7 +63,7 @@ def set_up(*, operator: OperatorKind, cells: int) -> list[Row]:
         _, read = built(cells, operator)
     report = consistency_report(cloud, 1.0)
     values = (
-        operator.name, cells, cloud.size, cloud.kinematic.mean_neighbours, cloud.iterations,
+        operator.name, cells, cloud.size, cloud.mean_neighbours, cloud.iterations,
         cloud.change, report.C0, report.C1, report.D0, report.SBP, solved, read,
     )  # fmt: skip
     return [dict(zip(COLUMNS, values, strict=True))]

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import csr_array
+from scipy.sparse import csc_array
 
 from sphsolid.cloud.boundary_weights import quadratically_exact_areas
 from sphsolid.cloud.consistent import divergence_defect
@@ -16,6 +16,7 @@ from sphsolid.cloud.gradient import (
     offsets,
     row_sum,
 )
+from sphsolid.cloud.lattice_difference import LatticeDifference
 from sphsolid.cloud.lengths import Lengths, lengths_of, refuse_long_cells
 from sphsolid.cloud.loaded_areas import loaded_areas
 from sphsolid.cloud.operator import (
@@ -27,6 +28,13 @@ from sphsolid.cloud.operator import (
     refuse_wrong_layout,
 )
 from sphsolid.cloud.operator_cache import gradients_of
+from sphsolid.cloud.pair_tables import (
+    KeptTables,
+    Packed,
+    PairTables,
+    TablesOnDemand,
+    WrittenOut,
+)
 from sphsolid.cloud.pairs.neighbours import PairList, transposed
 from sphsolid.cloud.pairs.pair_operator import PairOperator, expanded, pair_operators
 from sphsolid.cloud.pairs.parts import parts_of
@@ -55,9 +63,10 @@ class Cloud:
     pair.  ``iterations`` and ``change`` are as in ``operator.Gradients``; ``kind`` is the option
     that made them, ``areas_by_tag`` what it brought along, if anything.
 
-    The operators have one pair list and three columns each.  ``kinematic`` and ``force`` are the
-    gradients ``G_b(X_a)`` [1/m] (see ``operator.Gradients``), one object when adjoint.  ``adjoint``
-    is the divergence ``g_ab = V_b G_a(X_b) / V_a``: ``(DIV P)_a`` is minus ``sum_b P_b g_ab``.
+    The operators have one pair list and three columns each (``tables``).  ``kinematic`` and
+    ``force`` are the gradients ``G_b(X_a)`` [1/m] (see ``operator.Gradients``), one object when
+    adjoint.  ``adjoint`` is the divergence ``g_ab = V_b G_a(X_b) / V_a``: ``(DIV P)_a`` is minus
+    ``sum_b P_b g_ab``.
     """
 
     mesh: Mesh
@@ -65,9 +74,7 @@ class Cloud:
     V: Array
     areas: Array
     lengths: Lengths
-    kinematic: PairOperator
-    force: PairOperator
-    adjoint: PairOperator
+    tables: PairTables
     smoothing: SmoothingFunction
     h_min: float
     iterations: int
@@ -76,7 +83,7 @@ class Cloud:
     left_out: int
     parts: int
     kind: OperatorKind
-    areas_by_tag: dict[str, csr_array] = field(default_factory=dict)
+    areas_by_tag: dict[str, csc_array] = field(default_factory=dict)
 
     @property
     def h(self) -> float:
@@ -118,26 +125,47 @@ class Cloud:
         return len(self.X)
 
     @property
+    def kinematic(self) -> PairOperator:
+        """Sums for ``F`` and its rate."""
+        return self.tables.packed.kinematic
+
+    @property
+    def force(self) -> PairOperator:
+        """Sums with the gradient whose adjoint makes the force."""
+        return self.tables.packed.force
+
+    @property
+    def adjoint(self) -> PairOperator:
+        """Sums for the force."""
+        return self.tables.packed.adjoint
+
+    @property
     def is_adjoint(self) -> bool:
         """True when force and kinematics share one gradient."""
-        return self.kinematic is self.force
+        return self.tables.is_adjoint
+
+    @property
+    def mean_neighbours(self) -> float:
+        """Pairs a particle, those with coefficient zero included."""
+        return self.tables.mean_neighbours
 
     @property
     def particle_major(self) -> bool:
-        """How tensor fields should lie in memory (see ``fields``): no stencil serves here."""
-        return len(self.adjoint.stencil) == 0
+        """How tensor fields should lie in memory (see ``fields``)."""
+        return self.tables.particle_major
 
     @property
     def pairs(self) -> PairList:
         """Who sees whom, written out (it takes memory; nothing in a step needs it)."""
-        return expanded(self.kinematic)[0]
+        return self.tables.written_out(self.areas).pairs
 
     @property
     def gradients(self) -> Gradients:
         """Coefficients ``(P, 3)`` [1/m] of every pair, written out."""
-        kinematic = expanded(self.kinematic)[1]
-        force = kinematic if self.is_adjoint else expanded(self.force)[1]
-        return Gradients(kinematic, force, self.areas, self.iterations, self.change)
+        found = self.tables.written_out(self.areas).gradients
+        return Gradients(
+            found.kinematic, found.force, self.areas, self.iterations, self.change
+        )
 
     @property
     def divergence(self) -> Array:
@@ -237,17 +265,23 @@ def build_cloud(
     ingredients = Ingredients(mesh, V, areas, pairs, smoothing, lengths)
     gradients = gradients_of(operator, ingredients)
     refuse_wrong_gradients(operator, gradients, ingredients)
-    columns = [gradients.kinematic]
-    if not gradients.is_adjoint:
-        columns.append(gradients.force)
-    columns.append(_adjoint(gradients.force, pairs, V))
-    operators = pair_operators(pairs, columns, len(X), stencils=stencils)
-    kinematic, force, adjoint = operators[0], operators[-2], operators[-1]
+    made = WrittenOut(pairs, gradients)
+    tables: PairTables
+    if isinstance(operator, LatticeDifference):
+
+        def again() -> WrittenOut:
+            anew = operator.layout(mesh).pairs
+            given = Ingredients(mesh, V, areas, anew, smoothing, lengths)
+            return WrittenOut(anew, operator.build(given))
+
+        tables = TablesOnDemand(again, made, V, stencils=stencils)
+    else:
+        tables = KeptTables(Packed.of(made, V, stencils=stencils))
     h_min = _h_min(X, pairs)
     return Cloud(
-        mesh, X, V, gradients.areas, lengths, kinematic, force, adjoint, smoothing, h_min,
+        mesh, X, V, gradients.areas, lengths, tables, smoothing, h_min,
         gradients.iterations, gradients.change, sight, left_out, int(parts_of(pairs).max()) + 1,
-        operator, {name: csr_array(part) for name, part in by_tag.items()},
+        operator, {name: csc_array(part) for name, part in by_tag.items()},
     )  # fmt: skip
 
 
@@ -274,13 +308,6 @@ def _layout(
 def _h_min(X: Array, pairs: PairList) -> float:
     distance = np.linalg.norm(offsets(X, X, pairs), axis=1)
     return float(np.min(distance[distance > 0.0]))
-
-
-def _adjoint(G: Array, pairs: PairList, V: Array) -> Array:
-    """``g_ab = V_b G_a(X_b) / V_a``; the pair list is symmetric, so it is its own transpose."""
-    _, place = transposed(pairs, pairs.rows)
-    scale = V[pairs.indices] / V[pairs.row_of_pair]
-    return np.asarray(G[place] * scale[:, None])
 
 
 def build_secondary(

@@ -24,7 +24,7 @@ def doubts(cloud: Cloud) -> list[str]:
     if ratio > LONG:
         found.append(
             f"the longest edge of a cell is {ratio:.2g} times its shortest in the mean, and the "
-            f"round support holds {cloud.kinematic.mean_neighbours:.0f} neighbours: expect smeared "
+            f"round support holds {cloud.mean_neighbours:.0f} neighbours: expect smeared "
             "results; mesh with edges within a factor of 2 of each other"
         )
     if not np.isfinite(cloud.change) or cloud.change > LARGE_CHANGE:

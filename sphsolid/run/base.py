@@ -27,6 +27,7 @@ from sphsolid.record.recorders import Recorder
 from sphsolid.record.samples import Sampler, Samples
 from sphsolid.record.snapshot import Snapshot
 from sphsolid.record.vtu import write_vtu
+from sphsolid.run.held_bytes import held_bytes
 from sphsolid.run.running_budget import NotOpened, RunningBudget, Works
 from sphsolid.run.team import Team
 from sphsolid.scenes.hidden_memory import refuse_hidden_memory
@@ -98,6 +99,10 @@ class BaseSimulation(ABC):
     @abstractmethod
     def plan(self) -> str:
         """What is active and why, before anything runs."""
+
+    def memory_bytes(self) -> int:
+        """Bytes of all arrays that live during a run."""
+        return held_bytes(self)
 
     @abstractmethod
     def summary(self) -> str:

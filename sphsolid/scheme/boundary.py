@@ -47,7 +47,8 @@ class Loads:
                 per_volume = (size / cloud.V[particles])[:, None]
                 self._patches.append((traction, particles, normal, per_volume))
         self._at: float | None = None
-        self._total = self._body = np.zeros_like(cloud.X)
+        # Nothing writes into them: one zero for all.
+        self._total = self._body = np.broadcast_to(np.zeros(3), cloud.X.shape)
 
     @property
     def any(self) -> bool:

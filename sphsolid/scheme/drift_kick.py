@@ -146,8 +146,8 @@ class DriftKick:
         )
         p_start = self._kept(state.p)
         pushed_by(b, self._force, self._p)
-        held = essential.particles
-        pushed = state.p[held]
+        # What the conditions do is of interest to a budget alone.
+        pushed = state.p[essential.particles] if self.budget.looks else p_start
         essential.impose(state.p, imposed_at)
         self.budget.kick(state, p_start, pushed, b, at)
         for field, rate in self._pushed:

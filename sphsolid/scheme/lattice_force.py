@@ -225,7 +225,7 @@ def _stress(  # type: ignore[no-untyped-def]
             for k0 in range(U(0), nz, width):
                 tile = make_tile(grid, i, j, k0, lines, width)
                 at = start + tile.lane
-                divergence_in_plane(planes, U(0), U(3), grid, tile, at, S, F)
+                divergence_in_plane(planes, U(0), U(3), U(1), grid, tile, at, S, F)
                 if restrained:
                     subtract_in_plane(planes, U(6), U(9), grid, tables, tile, at, S, F)
                 for c in range(U(3)):
@@ -244,7 +244,7 @@ def _force(t, along_x, along_y, along_z, work, out):  # type: ignore[no-untyped-
         for j in range(U(0), ny, lines):
             for k0 in range(U(0), nz, width):
                 tile = make_tile(grid, i, j, k0, lines, width)
-                divergence_across(work.P, grid, tile, S, q)
+                divergence_across(work.P, U(0), U(1), grid, tile, S, q)
                 if work.R.shape[1] > 0:
                     subtract_across(work.R, grid, tile, tile.at + plane + plane, S, q)
                 for c in range(U(3)):
@@ -271,3 +271,16 @@ def forces(  # type: ignore[no-untyped-def]
         )
     for t in prange(work.workers):
         _force(U(t), along_x, along_y, along_z, work, out)
+
+
+@kernel
+def law_alone(material, F, P):  # type: ignore[no-untyped-def]
+    """``P (9, .)`` [Pa] of ``F (9, .)`` by the law, without filter and restraint."""
+    for a in prange(F.shape[1]):
+        A = (
+            F[0, a], F[1, a], F[2, a], F[3, a], F[4, a], F[5, a], F[6, a], F[7, a], F[8, a],
+        )  # fmt: skip
+        p = law.first_piola(material, A, cofactor(A), determinant(A))
+        P[0, a], P[1, a], P[2, a] = p[0], p[1], p[2]
+        P[3, a], P[4, a], P[5, a] = p[3], p[4], p[5]
+        P[6, a], P[7, a], P[8, a] = p[6], p[7], p[8]

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sphsolid.cloud.lattice.box import BoxLattice, box_of
-from sphsolid.cloud.lattice.lines import Grid, lines, planes
+from sphsolid.cloud.lattice.lines import grid_of, planes
 from sphsolid.cloud.lattice_difference import LatticeDifference
 from sphsolid.fields import components, tensor_field
 from sphsolid.scheme import lattice_force
@@ -71,12 +71,7 @@ class LatticeRightHandSide(RightHandSide):
                 self._restraint = term
             elif isinstance(term, FilteredDilatationTerm):
                 smoothing, self._rest = term.options.order, term.stiffness
-        self._grid = Grid(
-            *(
-                lines(kind.order, box.counts[d], float(box.dx[d]), column=d, smoothing=smoothing)
-                for d in range(3)
-            )
-        )
+        self._grid = grid_of(kind.order, box, smoothing=smoothing)
         self._planes = planes(self._grid, smoothing)
         self._work = lattice_force.make_work(
             self._grid, workers=numba.config.NUMBA_NUM_THREADS, filtered=smoothing > 0,
@@ -103,11 +98,11 @@ class LatticeRightHandSide(RightHandSide):
     def start(self, state: State) -> None:
         """The smallest stretches of the first positions."""
         super().start(state)
-        self._forces(state, self.operator.arms(state.x))
+        self._sum(self._rows(state, self.operator.arms(state.x)))
 
     def free_force(self, state: State) -> Array:
         """Force of the body itself ``(N, 3)`` [N/m^3] at free components, no load acting."""
-        self._forces(state, self.operator.arms(state.x))
+        self._sum(self._rows(state, self.operator.arms(state.x)))
         self.essential.release(self.rates.p)
         return self.rates.p
 
@@ -132,11 +127,17 @@ class LatticeRightHandSide(RightHandSide):
     def _forces(self, state: State, arms: Array) -> None:
         if self._known[0] is not state or self._known[1] is not arms:
             # A state keeps its arrays; of a small body, finding their memory is most of a step.
-            rows = components(state.p), self._work, components(state[STRETCH])[0]
-            self._known = state, arms, (components(arms), *rows, components(self.rates.p))
+            self._known = state, arms, self._rows(state, arms)
+        self._sum(self._known[2])
+
+    def _rows(self, state: State, arms: Array) -> tuple[Any, ...]:
+        rows = components(state.p), self._work, components(state[STRETCH])[0]
+        return (components(arms), *rows, components(self.rates.p))
+
+    def _sum(self, rows: tuple[Any, ...]) -> None:
         parts = _FREE if self._restraint is None else self._restraint.acting
         lattice_force.forces(
-            *self._grid, self._planes, self.material, self._rest, parts, *self._known[2]
+            *self._grid, self._planes, self.material, self._rest, parts, *rows
         )
 
     def _keep(self, state: State, arms: Array) -> None:
@@ -145,8 +146,7 @@ class LatticeRightHandSide(RightHandSide):
         operator.gradient(arms, 1.0, self._F)
         operator.gradient(state.p, 1.0 / self.material.density, self.rates.F)
         self.stage = stage = replace(self.stage, state=self.with_strains(state))
-        law_alone = replace(stage, P=self.P_galerkin)
-        operator.rates_and_stress(self.material, law_alone, needs_rates=False, knows_L=True)
+        lattice_force.law_alone(self.material, components(self._F), components(self.P_galerkin))
         for term in self.terms:
             if isinstance(term, LineRestraint):
                 term.measured(stage)

@@ -199,43 +199,43 @@ def gradient(f, grid, tile, S, q):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def divergence_in_plane(P, y, z, grid, tile, at, S, q):  # type: ignore[no-untyped-def]
+def divergence_in_plane(P, y, z, step, grid, tile, at, S, q):  # type: ignore[no-untyped-def]
     """The fast axes' part of ``DIV P`` with the free boundary, to three scratch rows from ``q`` on.
 
-    Their columns of ``P`` are its rows ``y, y + 1, y + 2`` and ``z, z + 1, z + 2``; the tile begins
-    at ``at`` in them.
+    Their columns of ``P`` are its rows ``y, y + step, y + 2 step`` and likewise from ``z`` on; the
+    tile begins at ``at`` in them.
     """
     one, apart = U(1), U(STRIDE)
-    along_lines(P, z, one, grid, tile, at, S, q, apart)
-    across_lines(P, y, one, grid, tile, at, True, S, q, apart)
+    along_lines(P, z, step, grid, tile, at, S, q, apart)
+    across_lines(P, y, step, grid, tile, at, True, S, q, apart)
     ny, nz, edge_y, edge_z = grid.y.n, grid.z.n, grid.y.edge, grid.z.edge
     for j in range(tile.begin, tile.end):
         skip = (j - tile.begin) * tile.width
-        if j == U(0) or j == ny - U(1):
+        if j == U(0) or j == ny - one:
             w = edge_y if j == U(0) else -edge_y
-            _edge(P, y, w, at + skip, tile.width, S, q + skip)
+            _edge(P, y, step, w, at + skip, tile.width, S, q + skip)
         if tile.k0 == U(0):
-            _edge(P, z, edge_z, at + skip, U(1), S, q + skip)
+            _edge(P, z, step, edge_z, at + skip, one, S, q + skip)
         if tile.k0 + tile.width == nz:
-            last = skip + tile.width - U(1)
-            _edge(P, z, -edge_z, at + last, U(1), S, q + last)
+            last = skip + tile.width - one
+            _edge(P, z, step, -edge_z, at + last, one, S, q + last)
 
 
 @inlined
-def divergence_across(P, grid, tile, S, q):  # type: ignore[no-untyped-def]
-    """The slow axis' part of ``DIV P``, of its column ``P (3, .)``."""
+def divergence_across(P, x, step, grid, tile, S, q):  # type: ignore[no-untyped-def]
+    """The slow axis' part of ``DIV P``, of its column in rows ``x, x + step, x + 2 step``."""
     line = grid.x
-    across_planes(P, U(0), U(1), grid, tile, S, q, U(STRIDE))
+    across_planes(P, x, step, grid, tile, S, q, U(STRIDE))
     if tile.i == U(0) or tile.i == line.n - U(1):
         w = line.edge if tile.i == U(0) else -line.edge
-        _edge(P, U(0), w, tile.at, tile.count, S, q)
+        _edge(P, x, step, w, tile.at, tile.count, S, q)
 
 
 @inlined
-def _edge(P, r, w, at, count, S, q):  # type: ignore[no-untyped-def]
+def _edge(P, r, step, w, at, count, S, q):  # type: ignore[no-untyped-def]
     for c in range(U(3)):
         for k in range(count):
-            S[q + c * U(STRIDE) + k] += w * P[r + c, at + k]
+            S[q + c * U(STRIDE) + k] += w * P[r + c * step, at + k]
 
 
 @inlined

@@ -21,8 +21,6 @@ import time
 from dataclasses import dataclass
 from typing import Any
 
-import numpy as np
-
 import fem_reference as fem
 import sphsolid as sph
 from sphsolid.compiled import set_threads, threads
@@ -38,33 +36,6 @@ from studies.pareto.problems import PROBLEMS
 REAL = 8
 #: Nodes and Gauss points of an element, by its name.
 ELEMENTS = {"b_bar_hex": (8, 8), "taylor_hood_hex": (27, 27)}
-
-
-def held_bytes(owner: Any) -> int:
-    """Bytes of every array reachable from ``owner`` through objects of the two packages."""
-    arrays: dict[int, int] = {}
-    seen: set[int] = set()
-    waiting = [owner]
-    while waiting:
-        value = waiting.pop()
-        if isinstance(value, np.ndarray):
-            while isinstance(value.base, np.ndarray):
-                value = value.base
-            arrays[id(value)] = value.nbytes
-        elif id(value) not in seen:
-            seen.add(id(value))
-            waiting += _parts(value)
-    return sum(arrays.values())
-
-
-def _parts(value: Any) -> list[Any]:
-    if isinstance(value, list | tuple | set | frozenset):
-        return list(value)
-    if isinstance(value, dict):
-        return list(value.values())
-    if type(value).__module__.split(".")[0] in ("sphsolid", "fem_reference", "scipy"):
-        return list(getattr(value, "__dict__", {}).values())
-    return []
 
 
 def evaluations_per_step(sim: Any) -> int:
@@ -102,7 +73,7 @@ def counted_work(sim: Any) -> Work:
     if isinstance(sim, fem.Simulation):
         return _of_elements(sim)
     cloud, fields = sim.cloud, sim.formulation
-    pairs = cloud.size * cloud.kinematic.mean_neighbours
+    pairs = cloud.size * cloud.mean_neighbours
     if isinstance(sim.stabilisation, sph.Restraint):
         return _of_restraint(sim, pairs)
     # grad v, div P; F_x for the projection, and F itself where it is not evolved.
@@ -135,7 +106,7 @@ def _of_stabilisation(sim: sph.Simulation) -> Work:
     work = Work.of(pairs, 3 + 9 + 3, 27) + Work.of(pairs, 9, 9)
     if supg.is_self_adjoint:
         # The fine stress back to the particles, and F_x there to project it.
-        primary = sim.cloud.size * sim.cloud.kinematic.mean_neighbours
+        primary = sim.cloud.size * sim.cloud.mean_neighbours
         work += Work.of(pairs, 9, 9) + Work.of(primary, 3, 9)
     if supg.damps_J:
         work += Work.of(pairs, 9 + 3, 12) + Work.of(pairs, 3, 3)
@@ -210,6 +181,6 @@ def _cost(method: Method, problem: Scene, cells: int) -> Row:
     work = counted_work(sim)
     return {
         "evaluations_per_step": evaluations_per_step(sim), "setup_cpu_s": setup,
-        "bytes": held_bytes(sim), "pairs": work.pairs, "gathered_bytes": work.gathered,
+        "bytes": sim.memory_bytes(), "pairs": work.pairs, "gathered_bytes": work.gathered,
         "streamed_bytes": work.streamed, "multiply_adds": work.multiply_adds,
     }  # fmt: skip

@@ -111,7 +111,7 @@ def step(
         rows.append(common | of_pass)
     of_particles |= {
         "storage": _storage(sim),
-        "neighbours": sim.cloud.kinematic.mean_neighbours,
+        "neighbours": sim.cloud.mean_neighbours,
         "flops_per_particle": flops / size,
         "traffic_per_particle": (moved + update_bytes(sim)) / size,
     }

@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from sphsolid.cloud.lattice.box import BoxLattice
 from sphsolid.cloud.lattice.closures import central, difference, points_needed
 from sphsolid.cloud.lattice.line_filter import filter_matrix
 from sphsolid.errors import InputError
@@ -125,6 +126,15 @@ def lines(order: int, n: int, dx: float, *, column: int, smoothing: int) -> Line
         far=(0.0, 0.0, 0.125)[reach],
         smooth=_neighbours(filter_matrix(h, smoothing)),
     )
+
+
+def grid_of(order: int, box: BoxLattice, *, smoothing: int) -> Grid:
+    """The lines of ``box`` along its three axes."""
+    x, y, z = (
+        lines(order, box.counts[d], float(box.dx[d]), column=d, smoothing=smoothing)
+        for d in range(3)
+    )
+    return Grid(x, y, z)
 
 
 def _neighbours(matrix: Array) -> Array:
