@@ -98,8 +98,9 @@ class LatticeSums(PairSums):
             # A kernel does not ask how long an array is.
             raise ValueError(f"room for {len(out)} particles where {self.size} are written")
         result = as_field(out)
-        arrays = components(as_field(f)), factor, components(result)
-        _gradient(*self._grid, *arrays, self._rows)
+        _gradient(
+            *self._grid, self._read(as_field(f)), factor, components(result), self._rows
+        )
         if result is not out:
             out[:] = result
 
@@ -109,7 +110,13 @@ class LatticeSums(PairSums):
 
     def internal_force(self, P: Array, out: Array) -> None:
         """``out_a = (DIV P)_a`` [N/m^3] with the free boundary: minus the adjoint."""
-        _divergence(*self._grid, components(P), components(out), self._rows)
+        _divergence(*self._grid, self._read(P), components(out), self._rows)
+
+    def _read(self, field: Array) -> Array:
+        # What stands beside the last line is multiplied by zero, so it must be a number.
+        rows = components(field)
+        rows[:, self.size :] = 0.0
+        return rows
 
 
 def operator_on(cloud: Cloud) -> Operator:

@@ -75,7 +75,7 @@ QUICK_REFERENCE = 6
 FULL, QUICK = Timing(0.1, 7), Timing(0.03, 3)
 RUN = ["nu", "method", "cells"]
 #: Columns that the timing gives.
-TIMED = ["step_cpu_s", "step_cpu_spread", "repeats", "window_steps"]
+TIMED = ["step_cpu_s", "step_cpu_spread", "repeats", "window_steps", "setup_cpu_s", "bytes"]
 #: Columns of the main table; errors are shares, costs CPU seconds of one thread and bytes.
 COLUMNS = [
     "scene", *RUN, "solver", "formulation", "stabilisation", "operator", "projection", "integrator",

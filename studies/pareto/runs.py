@@ -1,6 +1,4 @@
-"""One run of a problem: its errors, what it holds and the work that is counted.
-
-*Bytes*: all arrays reachable from the simulation, each once, one rule for particles and elements.
+"""One run of a problem: its errors and the work that is counted.
 
 *Counted work* of one evaluation, from the data structures and the equations, whatever the storage:
 values gathered through an index list and the multiply-adds done with them,
@@ -23,9 +21,7 @@ from typing import Any
 
 import fem_reference as fem
 import sphsolid as sph
-from sphsolid.compiled import set_threads, threads
 from sphsolid.geometry.edges import edges_of
-from sphsolid.scenes import Scene
 from studies.engine.case import Row
 from studies.methods import Elements, Method
 from studies.pareto.problems import PROBLEMS
@@ -143,9 +139,8 @@ def run_case(
         "error_run_cpu_s": time.process_time() - started,
     }  # fmt: skip
     named = {"scene": scene, "nu": nu, "method": method.name, "cells": cells}
-    bare = problem.timed(nu, cells, elements=elements)
-    cost = _cost(method, bare, cells) if compared else {}
-    rows = [{"kind": "run"} | named | setting(sim) | found | cost]
+    work = _counted(sim) if compared else {}
+    rows = [{"kind": "run"} | named | setting(sim) | found | work]
     return rows + [{"kind": "instant"} | named | row for row in instants]
 
 
@@ -169,18 +164,10 @@ def _stabilisation(option: Any) -> str:
     return "restraint" if isinstance(option, sph.Restraint) else "none"
 
 
-def _cost(method: Method, problem: Scene, cells: int) -> Row:
-    available = threads()
-    set_threads(1)
-    try:
-        started = time.process_time()
-        sim = method.simulation(problem, spacing=1.0 / cells)
-        setup = time.process_time() - started
-    finally:
-        set_threads(available)
+def _counted(sim: Any) -> Row:
     work = counted_work(sim)
     return {
-        "evaluations_per_step": evaluations_per_step(sim), "setup_cpu_s": setup,
-        "bytes": sim.memory_bytes(), "pairs": work.pairs, "gathered_bytes": work.gathered,
-        "streamed_bytes": work.streamed, "multiply_adds": work.multiply_adds,
+        "evaluations_per_step": evaluations_per_step(sim), "pairs": work.pairs,
+        "gathered_bytes": work.gathered, "streamed_bytes": work.streamed,
+        "multiply_adds": work.multiply_adds,
     }  # fmt: skip
