@@ -32,6 +32,7 @@ from sphsolid.fields import leading
 from sphsolid.scheme.lattice_filter import smooth_across, smooth_in_plane
 from sphsolid.scheme.lattice_restraint import (
     restrain,
+    shares,
     subtract_across,
     subtract_in_plane,
 )
@@ -204,10 +205,12 @@ def _stress(  # type: ignore[no-untyped-def]
                 for part in range(2 if damped else 1):
                     gradient(x if part == 0 else p, grid, tile, S, F if part == 0 else L)
                 _answer(material, grid, tables, rest, tile, work, limit, F, row, P)
+                if damped:
+                    shares(parts, tile, S, F, row)
                 to = start + tile.lane
                 for axis in range(3 if restrained else 0):
                     low, count = restrain(
-                        parts, grid, tables, axis, tile, per_mass, x, p, S, F, L, P, e
+                        parts, grid, tables, axis, tile, per_mass, x, p, S, F, L, P, e, row
                     )
                     pull = e + U(3 * STRIDE) + low
                     if axis == 0:

@@ -58,14 +58,21 @@ def _clear_ends(line, tile, S, q):  # type: ignore[no-untyped-def]
 
 
 @inlined
+def shares(parts, tile, S, F, share):  # type: ignore[no-untyped-def]
+    """``viscous_share`` of the tile, of ``F`` in nine scratch rows, for all three axes."""
+    for k in range(tile.count):
+        S[share + k] = viscous_share(tensor_at(S, F + k), parts.most)
+
+
+@inlined
 def restrain(  # type: ignore[no-untyped-def]
-    parts, grid, tables, axis, tile, per_mass, x, p, S, F, L, P, e
+    parts, grid, tables, axis, tile, per_mass, x, p, S, F, L, P, e, share
 ):
     """``R`` of one axis on a tile, and what its viscous part adds to ``P``.
 
     ``F``, ``L``, ``P`` and ``e`` are where scratch rows begin: nine of ``grad x``, of ``grad p``
-    and of the stress, and room for six.  ``R`` is left in the last three of these; handed out are
-    the first particle that has one and their number.
+    and of the stress, and room for six; ``share`` is that of :func:`shares`.  ``R`` is left in the
+    last three of the room; handed out are the first particle that has one and their number.
     """
     low, count, weight = U(0), tile.count, 1.0
     if axis == 0:
@@ -89,7 +96,7 @@ def restrain(  # type: ignore[no-untyped-def]
         return low, U(0)
     # All rows are read from the same lane on, or their distances would not be constant.
     F, L, P, e, lane = F + low, L + low, P + low, e + low, tile.lane + low
-    at, v = tile.at + low, e + U(3 * STRIDE)
+    at, v, share = tile.at + low, e + U(3 * STRIDE), share + low
     e1, e2 = e + U(STRIDE), e + U(2 * STRIDE)
     v1, v2 = v + U(STRIDE), v + U(2 * STRIDE)
     _difference(x, line, at, stride, count, S, e)
@@ -112,7 +119,7 @@ def restrain(  # type: ignore[no-untyped-def]
         d0, d1, d2 = S[e + k], S[e1 + k], S[e2 + k]
         g0, g1, g2 = S[v + k], S[v1 + k], S[v2 + k]
         A, B = tensor_at(S, F + k), tensor_at(S, L + k)
-        c = viscosity * viscous_share(A, parts.most)
+        c = viscosity * S[share + k]
         s0 = c * (A[0] * g0 + A[3] * g1 + A[6] * g2 + (B[0] * d0 + B[3] * d1 + B[6] * d2))
         s1 = c * (A[1] * g0 + A[4] * g1 + A[7] * g2 + (B[1] * d0 + B[4] * d1 + B[7] * d2))
         s2 = c * (A[2] * g0 + A[5] * g1 + A[8] * g2 + (B[2] * d0 + B[5] * d1 + B[8] * d2))
