@@ -60,12 +60,14 @@ FOOT = 0.01
 class NearPairs(NamedTuple):
     """Row ``a`` has the pairs ``indptr[a] .. indptr[a + 1]`` with ``indices`` and ``volume`` [m^3].
 
-    ``X (3, .)`` [m] are the particles, ``V (N,)`` [m^3] their volumes.
+    ``X (3, .)`` [m] are the particles, ``V (N,)`` [m^3] their volumes; ``per_square`` [1/m^2] is
+    ``1 / |X|^2`` of a pair, since a division takes as long as twenty products.
     """
 
     indptr: NDArray[np.uint64]
     indices: NDArray[np.uint32]
     volume: Array
+    per_square: Array
     X: Array
     V: Array
 
@@ -115,11 +117,11 @@ def mean_with(f: Any, A: Tensor, b: Any) -> Tensor:
 @inlined
 def _ramp(x: Any, width: Any) -> Any:
     """``(x)_+`` and its derivative."""
-    if not x > 0.0:
-        return 0.0, 0.0
-    if x < width:
-        return 0.5 * x * x / width, x / width
-    return x - 0.5 * width, 1.0
+    # Chosen, not branched to: which of two signs comes next nobody can predict.
+    rise = x if x > 0.0 else 0.0
+    foot = rise if rise < width else width
+    slope = foot / width
+    return 0.5 * foot * slope + (rise - foot), slope
 
 
 @inlined
@@ -158,17 +160,17 @@ def restrain(near, parts, measured, direct, P):  # type: ignore[no-untyped-def]
             X = apart(near.X, a, b)
             F_m = mean_with(F, F_a, b)
             e = unseen(F_m, X, apart(x, a, b))
-            square = X[0] * X[0] + X[1] * X[1] + X[2] * X[2]
-            r2 = (e[0] * e[0] + e[1] * e[1] + e[2] * e[2]) / square
+            per_square = near.per_square[k]
+            r2 = (e[0] * e[0] + e[1] * e[1] + e[2] * e[2]) * per_square
             held, slope = compression(parts, F_m)
-            c = near.volume[k] / square * (parts.quartic * r2 + parts.elastic + held)
+            c = near.volume[k] * per_square * (parts.quartic * r2 + parts.elastic + held)
             t0, t1, t2 = c * e[0], c * e[1], c * e[2]
             S = axpy(-0.5 * near.volume[k] * r2, slope, S)
             if damped:
                 L_m = mean_with(L, L_a, b)
                 s = rate(F_m, L_m, unseen(L_m, X, apart(v, a, b)), e)
                 share = viscous_share(F_m, parts.most)
-                c = near.volume[k] / math.sqrt(square) * parts.viscosity * share
+                c = near.volume[k] * math.sqrt(per_square) * parts.viscosity * share
                 w0, w1, w2 = c * s[0], c * s[1], c * s[2]
                 t0 += F_m[0] * w0 + F_m[1] * w1 + F_m[2] * w2
                 t1 += F_m[3] * w0 + F_m[4] * w1 + F_m[5] * w2
@@ -178,10 +180,11 @@ def restrain(near, parts, measured, direct, P):  # type: ignore[no-untyped-def]
             f1 += t1
             f2 += t2
             S = add(S, _dyad((t0, t1, t2), X))
-        direct[0, a] = f0 / near.V[a]
-        direct[1, a] = f1 / near.V[a]
-        direct[2, a] = f2 / near.V[a]
-        S = scale(-0.5 / near.V[a], S)
+        per_volume = 1.0 / near.V[a]
+        direct[0, a], direct[1, a], direct[2, a] = (
+            f0 * per_volume, f1 * per_volume, f2 * per_volume
+        )  # fmt: skip
+        S = scale(-0.5 * per_volume, S)
         if P.ndim == 2:
             for c in range(9):
                 P[c, a] += S[c]
@@ -207,8 +210,8 @@ def energies(near, parts, measured, given, out):  # type: ignore[no-untyped-def]
             X = apart(near.X, a, b)
             F_m = mean_with(F, F_a, b)
             e = unseen(F_m, X, apart(x, a, b))
-            square = X[0] * X[0] + X[1] * X[1] + X[2] * X[2]
-            r2 = (e[0] * e[0] + e[1] * e[1] + e[2] * e[2]) / square
+            per_square = near.per_square[k]
+            r2 = (e[0] * e[0] + e[1] * e[1] + e[2] * e[2]) * per_square
             held, _ = compression(parts, F_m)
             half = 0.25 * parts.quartic * r2 + 0.5 * (parts.elastic + held)
             stored += near.volume[k] * half * r2
@@ -218,7 +221,7 @@ def energies(near, parts, measured, given, out):  # type: ignore[no-untyped-def]
                 L_m = mean_with(L_given, tensor_of(L_given, a), b)
                 other = rate(F_m, L_m, unseen(L_m, X, apart(v_given, a, b)), e)
                 share = viscous_share(F_m, parts.most)
-                c = near.volume[k] / math.sqrt(square) * parts.viscosity * share
+                c = near.volume[k] * math.sqrt(per_square) * parts.viscosity * share
                 taken -= c * (s[0] * other[0] + s[1] * other[1] + s[2] * other[2])
         out[a, 0] = 0.5 * stored
         out[a, 1] = 0.5 * taken
@@ -240,8 +243,8 @@ class PairRestraint(RestraintTerm):
         self._energies = np.zeros((cloud.size, 2))
         first = near.indptr.astype(np.int64)
         row = np.repeat(np.arange(cloud.size), first[1:] - first[:-1])
-        length = np.linalg.norm(cloud.X[near.indices] - cloud.X[row], axis=1)
-        pull = np.bincount(row, parts.viscosity * near.volume / length) / cloud.V
+        pull = parts.viscosity * near.volume * np.sqrt(near.per_square)
+        pull = np.bincount(row, pull) / cloud.V
         # Twice the largest sum over the pairs of a particle, by Gershgorin; the motion of a pair
         # that its gradients see is taken out, which makes it less.
         self.rate = 2.0 * float(np.max(pull)) / set_up.material.density
@@ -272,7 +275,9 @@ def near_pairs(mesh: Mesh, X: Array, V: Array) -> NearPairs:
     matrix.sort_indices()
     places = vector_field(len(X))
     places[:] = X
+    row = np.repeat(np.arange(len(X)), np.diff(matrix.indptr))
+    per_square = 1.0 / np.sum((X[matrix.indices] - X[row]) ** 2, axis=1)
     return NearPairs(
         matrix.indptr.astype(np.uint64), matrix.indices.astype(np.uint32), matrix.data,
-        components(places), V,
+        per_square, components(places), V,
     )  # fmt: skip
