@@ -59,7 +59,7 @@ def test_a_snapshot_is_a_copy_with_consistent_volumes() -> None:
 def test_plan_and_summary_say_what_is_active() -> None:
     sim = fem.Simulation(swinging_cube(), spacing=0.25)
     plan = sim.plan()
-    for words in ("64 Q1-P0", "125", "none (no load vector", "MiB", "cfl 0.6"):
+    for words in ("64 Q1-P0", "125", "none (no load vector", "MB of arrays", "cfl 0.6"):
         assert words in plan
     assert "after 0 steps" in sim.summary()
     loaded = fem.Simulation(swinging_cube(manufactured=True, jitter=0.2), spacing=0.25)
