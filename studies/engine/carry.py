@@ -128,12 +128,14 @@ def keep_sequences(
 
 
 def keep_others(
-    study: Study, *, again: str, cases: int, longest: float = LONGEST, keep_times: bool = False
-) -> tuple[int, list[str]]:
+    study: Study, *, again: str, cases: int, longest: float = LONGEST, keep_times: bool = False,
+    within: float = SAME,
+) -> tuple[int, list[str]]:  # fmt: skip
     """Keep all cases whose key ``again`` does not match, where a sample of ``cases`` agrees.
 
-    Returns how many cases are kept, and in words what differs.  Those that match run at once where
-    ``keep_times``, else they are left for ``--resume``.
+    Values that differ by a share of at most ``within`` agree.  Returns how many cases are kept, and
+    in words what differs.  Those that match run at once where ``keep_times``, else they are left
+    for ``--resume``.
     """
     options = parse(study, [])
     folder = options.out / "partial"
@@ -146,7 +148,7 @@ def keep_others(
     now, differ = {}, []
     for case, before in sample(others, kept, cases, longest):
         outcome = now[case.key] = execute(case)
-        words = list(differences(before.rows, outcome.rows))
+        words = list(differences(before.rows, outcome.rows, within))
         words = [outcome.message] if outcome.failed else words
         print(f"{'differs' if words else 'same':8} {case.key}", flush=True)
         differ += [f"{case.key}: {each}" for each in words]
@@ -278,7 +280,7 @@ def main(argv: Sequence[str] | None = None) -> int:
             if given.again is not None:
                 count, differ = keep_others(
                     study, again=given.again, cases=given.cases, longest=given.longest,
-                    keep_times=given.keep_times,
+                    keep_times=given.keep_times, within=given.within,
                 )  # fmt: skip
                 print(f"{name}: {count} cases are kept; the rest runs with --resume")
             elif given.sequences:
