@@ -8,7 +8,7 @@ boundary is half of that inside [Strand1994].
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, TypeGuard
 
 import numpy as np
 from numpy.typing import NDArray
@@ -129,3 +129,8 @@ def _numbered(box: BoxLattice, grid: Array) -> Array:
     values = np.empty(grid.size)
     values[box.number.ravel()] = grid.ravel()
     return values
+
+
+def has_lines(kind: object) -> TypeGuard[LatticeDifference]:
+    """True where kernels along lines have the coefficients: a subclass may have its own."""
+    return type(kind) is LatticeDifference

@@ -24,7 +24,8 @@ def _reaction(particles, free, rate, out):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _keep_free(particles, free, rate):  # type: ignore[no-untyped-def]
+def keep_free(particles, free, rate):  # type: ignore[no-untyped-def]
+    """Leave of ``rate (N, 3)`` at ``particles (n,)`` what ``free (n, 3, 3)`` does."""
     for n in prange(len(particles)):
         a = particles[n]
         r0, r1, r2 = rate[a, 0], rate[a, 1], rate[a, 2]
@@ -87,12 +88,17 @@ class EssentialConditions:
         for part in parts:
             taken[part.particles] += part.projector
         free = np.eye(3) - taken[self.particles]
-        # Axis-aligned conditions become exact zeros and ones, so that a fixed component is zero.
-        self._free = np.where(np.abs(free) < 1e-14, 0.0, free)
+        #: Projectors ``(n, 3, 3)`` at ``particles`` on what no condition takes.  Axis-aligned ones
+        #: are exact zeros and ones, so that a fixed component is zero.
+        self.free = np.where(np.abs(free) < 1e-14, 0.0, free)
 
     def impose(self, p: Array, t: float) -> None:
         """Set the constrained components of ``p (N, 3)`` to ``rho0`` times their velocity."""
         self.release(p)
+        self.prescribe(p, t)
+
+    def prescribe(self, p: Array, t: float) -> None:
+        """Add to the constrained components, which are zero, ``rho0`` times their velocity."""
         for rows, v in prescribed_parts(self._parts, self._X, t):
             p[rows] += self._density * v
 
@@ -108,13 +114,13 @@ class EssentialConditions:
     def reaction(self, rate: Array, out: Array) -> None:
         """``out (n, 3)``: what :meth:`release` will add to ``rate`` at ``particles (n,)``."""
         if len(self.particles):
-            _reaction(self.particles, self._free, rate, out)
+            _reaction(self.particles, self.free, rate, out)
 
     def constrained(self, f: Array) -> Array:
         """The constrained components of vectors ``f (n, 3)`` at ``particles (n,)``."""
-        return f - np.einsum("nij,nj->ni", self._free, f)
+        return f - np.einsum("nij,nj->ni", self.free, f)
 
     def release(self, rate: Array) -> None:
         """Zero the constrained components of a rate ``(N, 3)``."""
         if len(self.particles):
-            _keep_free(self.particles, self._free, rate)
+            keep_free(self.particles, self.free, rate)

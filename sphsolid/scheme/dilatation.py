@@ -39,7 +39,8 @@ class FilteredDilatation(TermOption):
     On a box lattice ``S`` acts along the lines, on any other cloud it is a mean over those within
     ``width`` spacings that a particle sees.  ``order=1`` keeps constants; long waves of pressure
     are then too slow by ``O(h^2)``, and much so near incompressibility.  ``order=2`` keeps linear
-    functions, at the boundary too.  What ``S`` takes out may be held by ``k = beta mu^2 / kappa``,
+    functions, and along lines of eight particles or more quadratic ones, at the boundary too.
+    What ``S`` takes out may be held by ``k = beta mu^2 / kappa``,
     at most ``kappa``.  Raises ``InputError``.
     """
 

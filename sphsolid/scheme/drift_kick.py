@@ -138,6 +138,15 @@ class DriftKick:
         self._p_of_L = vector_field(len(state.p) if self._drifts else 0)
         self._p_of_L[:] = np.nan
 
+    def drift_and_kick(self, a: float, b: float, at: float, imposed_at: float) -> None:
+        """A drift by ``a`` [s], then a kick by ``b`` [s]; in one launch where there is one."""
+        rhs, state = self.rhs, self.state
+        if not self.budget.looks and rhs.drift_and_kick(a, b, state, at):
+            self.essential.prescribe(state.p, imposed_at)
+            return
+        self.drift(a)
+        self.kick(b, at, imposed_at)
+
     def kick(self, b: float, at: float, imposed_at: float) -> None:
         """By ``b`` [s], with the loads of time ``at`` and the conditions of ``imposed_at``."""
         rhs, state, essential = self.rhs, self.state, self.essential

@@ -45,6 +45,7 @@ from sphsolid.scheme.lattice_sums import (
     extent,
     gradient,
     make_tile,
+    share,
     tensor_at,
     tensor_to,
 )
@@ -92,18 +93,13 @@ def make_work(grid: Grid, *, workers: int, filtered: bool, restrained: bool, bet
 
 
 @inlined
-def _share(t, workers, nx):  # type: ignore[no-untyped-def]
-    return U(t) * nx // U(workers), (U(t) + U(1)) * nx // U(workers)
-
-
-@inlined
 def _dilatation(t, along_x, along_y, along_z, tables, x, work, limit):  # type: ignore[no-untyped-def]
     grid, S = Grid(along_x, along_y, along_z), work.scratch
     ny, nz = grid.y.n, grid.z.n
     base = U(t) * (U(len(S)) // U(work.workers))
     q, one = base + U(_F), base + U(_PLANE) + U(3) * nz
     two = one + ny * nz + U(3) * nz
-    first, last = _share(t, work.workers, grid.x.n)
+    first, last = share(t, work.workers, grid.x.n)
     lines, width = extent(grid)
     for i in range(first, last):
         for j in range(U(0), ny, lines):
@@ -128,7 +124,7 @@ def _pressure(t, along_x, along_y, along_z, tables, material, rest, work):  # ty
     base = U(t) * (U(len(S)) // U(work.workers))
     one = base + U(_PLANE) + U(3) * nz
     two = one + plane + U(3) * nz
-    first, last = _share(t, work.workers, along_x.n)
+    first, last = share(t, work.workers, along_x.n)
     for i in range(first, last):
         at = i * plane
         smooth_across(J, along_x, i, at, plane, plane, tables.smoothing, S, one)
@@ -193,7 +189,7 @@ def _stress(  # type: ignore[no-untyped-def]
     F, L, P = base + U(_F), base + U(_L), base + U(_P)
     e, row = base + U(_E), base + U(_ROW)
     start = U(t) * (U(planes.shape[1]) // U(work.workers)) + U(2) * nz
-    first, last = _share(t, work.workers, grid.x.n)
+    first, last = share(t, work.workers, grid.x.n)
     lines, width = extent(grid)
     restrained, per_mass = work.R.shape[1] > 0, 1.0 / material.density
     damped = restrained and parts.viscosity != 0.0
@@ -241,7 +237,7 @@ def _force(t, along_x, along_y, along_z, work, out):  # type: ignore[no-untyped-
     grid, S = Grid(along_x, along_y, along_z), work.scratch
     ny, nz = grid.y.n, grid.z.n
     q, plane = U(t) * (U(len(S)) // U(work.workers)), ny * nz
-    first, last = _share(t, work.workers, grid.x.n)
+    first, last = share(t, work.workers, grid.x.n)
     lines, width = extent(grid)
     for i in range(first, last):
         for j in range(U(0), ny, lines):

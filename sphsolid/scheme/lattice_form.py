@@ -17,12 +17,13 @@ from numpy.typing import NDArray
 
 from sphsolid.cloud.lattice.box import BoxLattice, box_of
 from sphsolid.cloud.lattice.lines import grid_of, planes
-from sphsolid.cloud.lattice_difference import LatticeDifference
+from sphsolid.cloud.lattice_difference import LatticeDifference, has_lines
 from sphsolid.fields import components, tensor_field
-from sphsolid.scheme import lattice_force
+from sphsolid.scheme import lattice_force, lattice_step
 from sphsolid.scheme.filtered_dilatation import FilteredDilatationTerm
 from sphsolid.scheme.formulation import Displacement
 from sphsolid.scheme.integrator import Integrator
+from sphsolid.scheme.lattice_arguments import packed
 from sphsolid.scheme.restraint_lines import LineRestraint
 from sphsolid.scheme.restraint_term import RestraintParts
 from sphsolid.scheme.right_hand_side import RightHandSide
@@ -33,6 +34,7 @@ from sphsolid.scheme.term import Term
 from sphsolid.scheme.time_step import STRETCH
 
 Array = NDArray[np.float64]
+_NO_LOAD = np.zeros((0, 3))
 _FREE = RestraintParts(0.0, 0.0, 0.0, 0.0, 0.0, 1.0)
 
 
@@ -42,7 +44,7 @@ def has_lattice_form(set_up: SetUp, terms: Sequence[Term], integrator: Integrato
     The integrator must leave it to the evaluation to take ``F``.
     """
     return (
-        isinstance(set_up.cloud.kind, LatticeDifference)
+        has_lines(set_up.cloud.kind)
         and box_of(set_up.cloud.mesh).is_ordered  # type: ignore[union-attr]
         and isinstance(set_up.formulation, Displacement)
         and getattr(integrator, "derives_F", False)
@@ -77,7 +79,8 @@ class LatticeRightHandSide(RightHandSide):
             self._grid, workers=numba.config.NUMBA_NUM_THREADS, filtered=smoothing > 0,
             restrained=self._restraint is not None, beta=self._rest > 0.0,
         )  # fmt: skip
-        self._known: tuple[State | None, Array | None, tuple[Any, ...]] = (None, None, ())
+        self._middle, self._lines = cloud.middle, packed(self._grid)
+        self._known: tuple[State | None, tuple[Any, ...]] = (None, ())
         # No stress is kept, nor a gradient.
         self.P = self.P_galerkin = tensor_field(0, particle_major=cloud.particle_major)
         self._F = tensor_field(0, particle_major=cloud.particle_major)
@@ -111,11 +114,12 @@ class LatticeRightHandSide(RightHandSide):
         derives_F: bool = False,
     ) -> State:  # fmt: skip
         """The rate of ``p`` of ``state`` at time ``t``, whose positions are ``geometry``."""
-        rates, arms = self.rates, self.operator.arms(geometry)
+        rates, rows = self.rates, self._known_rows(state)
+        arms = self.operator.arms(geometry)
         self.stage = Stage(
             state, geometry, arms, t, rates, self.P, self._projected_rate, False, True
         )
-        self._forces(state, arms)
+        self._sum(rows)
         if self.loads.any:
             rates.p += self.loads.at(t)[0]
         if self.has_budget:
@@ -124,20 +128,35 @@ class LatticeRightHandSide(RightHandSide):
         self.essential.release(rates.p)
         return rates
 
-    def _forces(self, state: State, arms: Array) -> None:
-        if self._known[0] is not state or self._known[1] is not arms:
+    def drift_and_kick(self, a: float, b: float, state: State, t: float) -> bool:
+        """In one launch, unless somebody keeps a budget."""
+        if self.has_budget:
+            return False
+        load = np.ascontiguousarray(self.loads.at(t)[0]) if self.loads.any else _NO_LOAD
+        essential, rows = self.essential, self._known_rows(state)
+        lattice_step.drift_and_kick(
+            a / self.material.density, b, self._middle, load, essential.particles, essential.free,
+            self._lines, self._planes, self.material, self._rest, self._parts, *rows,
+        )  # fmt: skip
+        return True
+
+    def _known_rows(self, state: State) -> tuple[Any, ...]:
+        if self._known[0] is not state:
             # A state keeps its arrays; of a small body, finding their memory is most of a step.
-            self._known = state, arms, self._rows(state, arms)
-        self._sum(self._known[2])
+            self._known = state, self._rows(state, self.operator.arms(state.x))
+        return self._known[1]
 
     def _rows(self, state: State, arms: Array) -> tuple[Any, ...]:
         rows = components(state.p), self._work, components(state[STRETCH])[0]
-        return (components(arms), *rows, components(self.rates.p))
+        return components(state.x), components(arms), *rows, components(self.rates.p)
+
+    @property
+    def _parts(self) -> RestraintParts:
+        return _FREE if self._restraint is None else self._restraint.acting
 
     def _sum(self, rows: tuple[Any, ...]) -> None:
-        parts = _FREE if self._restraint is None else self._restraint.acting
         lattice_force.forces(
-            *self._grid, self._planes, self.material, self._rest, parts, *rows
+            *self._grid, self._planes, self.material, self._rest, self._parts, *rows[1:]
         )
 
     def _keep(self, state: State, arms: Array) -> None:

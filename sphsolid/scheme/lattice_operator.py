@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from sphsolid.cloud.cloud import Cloud
 from sphsolid.cloud.lattice.box import BoxLattice, box_of
 from sphsolid.cloud.lattice.lines import Grid, grid_of
-from sphsolid.cloud.lattice_difference import LatticeDifference
+from sphsolid.cloud.lattice_difference import LatticeDifference, has_lines
 from sphsolid.compiled import inlined, kernel, prange
 from sphsolid.fields import as_field, components
 from sphsolid.scheme.lattice_sums import (
@@ -26,6 +26,7 @@ from sphsolid.scheme.lattice_sums import (
     extent,
     gradient,
     make_tile,
+    share,
 )
 from sphsolid.scheme.operator import Operator
 from sphsolid.scheme.pair_sums import PairSums
@@ -39,10 +40,10 @@ _ROWS, _ACROSS = 9, 3 * STRIDE
 
 @inlined
 def _gradient_in(t, along_x, along_y, along_z, f, factor, out, scratch):  # type: ignore[no-untyped-def]
-    grid, workers = Grid(along_x, along_y, along_z), U(len(scratch))
-    S = scratch[t]
+    grid, S = Grid(along_x, along_y, along_z), scratch[t]
+    first, last = share(t, len(scratch), grid.x.n)
     lines, width = extent(grid)
-    for i in range(t * grid.x.n // workers, (t + U(1)) * grid.x.n // workers):
+    for i in range(first, last):
         for j in range(U(0), grid.y.n, lines):
             for k0 in range(U(0), grid.z.n, width):
                 tile = make_tile(grid, i, j, k0, lines, width)
@@ -61,10 +62,10 @@ def _gradient(along_x, along_y, along_z, f, factor, out, scratch):  # type: igno
 
 @inlined
 def _divergence_in(t, along_x, along_y, along_z, P, out, scratch):  # type: ignore[no-untyped-def]
-    grid, workers = Grid(along_x, along_y, along_z), U(len(scratch))
-    S, step = scratch[t], U(3)
+    grid, S, step = Grid(along_x, along_y, along_z), scratch[t], U(3)
+    first, last = share(t, len(scratch), grid.x.n)
     lines, width = extent(grid)
-    for i in range(t * grid.x.n // workers, (t + U(1)) * grid.x.n // workers):
+    for i in range(first, last):
         for j in range(U(0), grid.y.n, lines):
             for k0 in range(U(0), grid.z.n, width):
                 tile = make_tile(grid, i, j, k0, lines, width)
@@ -125,7 +126,7 @@ def operator_on(cloud: Cloud) -> Operator:
     if hasattr(kind, "applied"):
         own: Operator = kind.applied(cloud)
         return own
-    if isinstance(kind, LatticeDifference):
+    if has_lines(kind):
         box = box_of(cloud.mesh)
         if isinstance(box, BoxLattice) and box.is_ordered:
             return LatticeSums(cloud, kind, box)

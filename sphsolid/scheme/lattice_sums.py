@@ -44,6 +44,12 @@ class Tile(NamedTuple):
 
 
 @inlined
+def share(t, workers, planes):  # type: ignore[no-untyped-def]
+    """First plane and the one after the last of worker ``t``."""
+    return U(t) * planes // U(workers), (U(t) + U(1)) * planes // U(workers)
+
+
+@inlined
 def extent(grid: Grid) -> Any:
     """How many lines a tile has, and how many particles of each."""
     ny, nz = grid.y.n, grid.z.n

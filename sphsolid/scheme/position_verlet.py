@@ -59,6 +59,5 @@ class PositionVerletStepper(DriftKick):
 
     def advance(self, dt: float, t: float) -> None:
         """From ``t`` to ``t + dt``."""
-        self.drift(0.5 * dt)
-        self.kick(dt, t + 0.5 * dt, t + dt)
+        self.drift_and_kick(0.5 * dt, dt, t + 0.5 * dt, t + dt)
         self.drift(0.5 * dt)

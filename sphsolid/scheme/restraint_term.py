@@ -92,7 +92,10 @@ class RestraintTerm(Term):
         if self.needs_rates and self.rate > 0.0:
             limit = MOST_STRETCHED if self.options.spaced else MOST
             most = limit / (self.rate * units.step)
-        self.acting = self.parts._replace(viscosity=times * self.parts.viscosity, most=most)
+        each = self.parts
+        self.acting = RestraintParts(
+            each.quartic, each.elastic, each.pressed, each.sheared, times * each.viscosity, most
+        )
 
     def keep_for_powers(self) -> None:
         """Keep ``grad v`` of an evaluation from now on."""

@@ -37,6 +37,13 @@ class RightHandSide:
         self.fields = tuple(fields)
         #: Names of what a time integrator advances, ``p`` first.
         self.evolved = tuple(field.name for field in fields if field.evolved)
+        #: A term wants to know the step that the CFL rule allows.
+        self.follows_step = any(term.follows_step for term in self.terms)
+        # The others say that they have none, step after step.
+        self._limiting = [
+            term for term in self.terms
+            if getattr(term.largest_step, "__func__", None) is not Term.largest_step
+        ]  # fmt: skip
         self.material = set_up.material
         self.formulation = set_up.formulation
         self.operator = operator = set_up.operator
@@ -80,14 +87,9 @@ class RightHandSide:
         """True where the evaluations of this step take ``grad v``."""
         return self.always_keeps_rates or any(term.needs_rates for term in self.terms)
 
-    @property
-    def follows_step(self) -> bool:
-        """True where a term wants to know the step that the CFL rule allows."""
-        return any(term.follows_step for term in self.terms)
-
     def largest_step(self, state: State) -> float:
         """What the terms allow [s]; infinite where none has a limit of its own."""
-        return min((step_of(term, state) for term in self.terms), default=np.inf)
+        return min((step_of(term, state) for term in self._limiting), default=np.inf)
 
     def kinematic_gradient(self, f: Array, factor: float, out: Array) -> None:
         """``out_a = factor sum_b f_b (x) G_b(X_a)`` with the kinematic gradient."""
@@ -182,6 +184,14 @@ class RightHandSide:
         self.essential.reaction(rates.p, self.reaction)
         self.essential.release(rates.p)
         return rates
+
+    def drift_and_kick(self, a: float, b: float, state: State, t: float) -> bool:
+        """Move ``x`` by ``a`` [s], then ``p`` by ``b`` [s] with the force at time ``t``.
+
+        False, and nothing is moved, where that takes more than one launch.  Nobody can be told then
+        what the conditions did; prescribed velocities are left to the caller.
+        """
+        return False
 
     def _add_rates(self, stage: Stage) -> None:
         for rate in self._rates_of_terms:

@@ -94,6 +94,5 @@ class SymplecticRKN4Stepper(DriftKick):
     def advance(self, dt: float, t: float) -> None:
         """From ``t`` to ``t + dt``."""
         for a, b, at, leads_to in zip(DRIFTS[:-1], KICKS, AT, LEADS_TO, strict=True):
-            self.drift(a * dt)
-            self.kick(b * dt, t + at * dt, t + leads_to * dt)
+            self.drift_and_kick(a * dt, b * dt, t + at * dt, t + leads_to * dt)
         self.drift(DRIFTS[-1] * dt)

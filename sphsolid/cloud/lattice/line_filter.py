@@ -3,13 +3,16 @@
 Along an axis with the norm ``H`` and the ``q``-th difference ``D_q``,
 
     order 1    S = I - H^-1 D_1^T D_1 / 4            keeps constants, 1/4, 1/2, 1/4 inside
-    order 2    S = I - H^-1 D_2^T D_2 / 16           keeps linear functions
+    order 2    S = I - H^-1 D_3^T D_3 / 64           keeps quadratic functions
 
 but that order 2 treats the four points at each end, and those between the ends, each on their own:
 of the values at an end it keeps the quadratic function that is nearest in ``H``.  Rows of a
 difference at a boundary are of lower order, so ``J`` is rough there, and a solid that is nearly
-incompressible locks in bending if that is held.  Lines of less than eight points have no ends of
-their own.  Ends of three points that keep linear functions bend better still, but cost a smooth
+incompressible locks in bending if that is held.  Between the ends second differences would change
+a quadratic function beside them, which costs a smooth pressure half an order and more.
+
+Lines of less than eight points have no ends of their own, and second differences, which keep linear
+functions.  Ends of three points that keep linear functions bend better still, but cost a smooth
 pressure of large strain a digit.
 
 ``h_i S_ij = h_j S_ji``.  The shortest wave is filtered out and no wave is turned round.  The axes
@@ -39,14 +42,14 @@ def rough_part(weight: Array, order: int) -> tuple[Array, Array]:
     n = len(weight)
     if n <= order:
         return np.zeros((n, 0)), np.zeros((0, n))
-    D = np.diff(np.eye(n), n=order, axis=0)
-    share = np.full(len(D), 0.25**order)
-    if order == 2 and n >= 2 * _END:
-        third = np.diff(np.eye(n), n=3, axis=0)[[0, -1]]
-        D = np.concatenate([third, D[_END : n - _END - 2]])
-        # One difference of four points: all but the nearest quadratic, if taken out whole.
-        whole = 1.0 / np.sum(third**2 / weight, axis=1)
-        share = np.concatenate([whole, share[_END : n - _END - 2]])
+    if order == 1 or n < 2 * _END:
+        D = np.diff(np.eye(n), n=order, axis=0)
+        return 0.25**order * D.T / weight[:, None], D
+    third = np.diff(np.eye(n), n=3, axis=0)
+    D = np.concatenate([third[[0, -1]], third[_END : n - _END - 3]])
+    # One difference of four points: all but the nearest quadratic, if taken out whole.
+    whole = 1.0 / np.sum(D[:2] ** 2 / weight, axis=1)
+    share = np.concatenate([whole, np.full(len(D) - 2, 0.25**3)])
     return share * D.T / weight[:, None], D
 
 

@@ -1,0 +1,56 @@
+"""The lines of a grid as few arguments of a kernel.
+
+A call unpacks every number of every argument: fifty of them take as long as a hundred particles.
+Here those of three axes are the rows of two arrays.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from sphsolid.cloud.lattice.lines import Grid, Lines, Lines4, Lines6
+from sphsolid.compiled import overload
+
+#: Types of the lines by how long a marker is: the order of their differences.
+_OF_ORDER: dict[int, type[Lines]] = {2: Lines, 4: Lines4, 6: Lines6}
+_WHOLE = ("column", "n", "begin", "end", "reach")
+_REAL = ("dx", "one", "two", "three", "edge", "middle", "near", "far")
+_ARRAYS = ("first", "row", "weight", "inverse", "smooth")
+
+
+def packed(grid: Grid) -> tuple[Any, ...]:
+    """A marker of the type, whole numbers and reals ``(3, .)``, and the arrays of each axis."""
+    (order,) = (order for order, kind in _OF_ORDER.items() if type(grid.x) is kind)
+    return (
+        (0,) * order,
+        np.array([[getattr(axis, name) for name in _WHOLE] for axis in grid], dtype=np.uint64),
+        np.array([[getattr(axis, name) for name in _REAL] for axis in grid]),
+        *(tuple(getattr(axis, name) for name in _ARRAYS) for axis in grid),
+    )
+
+
+def unpacked(marker: Any, whole: Any, real: Any, arrays: Any, axis: Any) -> Lines:
+    """The lines along ``axis`` again."""
+    w, r = whole[axis], real[axis]
+    first, row, weight, inverse, smooth = arrays
+    return _OF_ORDER[len(marker)](
+        w[0], w[1], r[0], w[2], w[3], r[1], r[2], r[3], first, row, weight, inverse, r[4],
+        w[4], r[5], r[6], r[7], smooth,
+    )  # fmt: skip
+
+
+@overload(unpacked)
+def _unpacked(marker, whole, real, arrays, axis):  # type: ignore[no-untyped-def]
+    kind = _OF_ORDER[len(marker)]
+
+    def made(marker, whole, real, arrays, axis):  # type: ignore[no-untyped-def]
+        w, r = whole[axis], real[axis]
+        first, row, weight, inverse, smooth = arrays
+        return kind(
+            w[0], w[1], r[0], w[2], w[3], r[1], r[2], r[3], first, row, weight, inverse, r[4],
+            w[4], r[5], r[6], r[7], smooth,
+        )  # fmt: skip
+
+    return made
