@@ -42,6 +42,10 @@ class Edges:
         """
         return (3.0 / self.per_cell) * self.around
 
+    def lengths(self, X: Array) -> Array:
+        """``|X_b - X_a| (E,)`` [m] of the vertices ``X (N, 3)``."""
+        return np.sqrt(np.sum((X[self.b] - X[self.a]) ** 2, axis=1))
+
 
 def edges_of(mesh: Mesh) -> Edges:
     """All edges of the cells of ``mesh``."""

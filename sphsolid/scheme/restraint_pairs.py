@@ -17,16 +17,21 @@ boundary: it sees the rotations of a fine motion and may miss its strains.  Unde
 rotation alone gains energy, which ``g`` outweighs.  On the lines of a box differences commute, and
 it is not needed.  The ramp has no kink: a motion that keeps volumes stands at its foot, and
 round-off would choose the force.
+
+Pairs are those of a tile of particles (``near_pairs``), ``LANES`` of them at a time: their
+particles are fetched to scratch rows, and then the same is done in all lanes at once.  What is
+found is the same from both ends, but for the sign of ``t``.  It stays in twelve rows of the scratch
+until the particles of the tile add it up.
 """
 
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
+import numba
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import csr_array
 
 from sphsolid.compiled import inlined, kernel, prange
 from sphsolid.continuum.tensor import (
@@ -40,13 +45,14 @@ from sphsolid.continuum.tensor import (
     scale,
     store,
 )
-from sphsolid.fields import components, vector_field
+from sphsolid.fields import GRAIN, LANES, components, vector_field
 from sphsolid.geometry.edges import edges_of
-from sphsolid.geometry.mesh import Mesh
+from sphsolid.scheme import tile as on_tile
+from sphsolid.scheme.near_pairs import NearPairs, near_pairs
 from sphsolid.scheme.restraint_term import Measured, RestraintParts, RestraintTerm
 from sphsolid.scheme.set_up import SetUp
 from sphsolid.scheme.stage import Stage
-from sphsolid.scheme.tile import tensor_of
+from sphsolid.scheme.tile import STRIDE, U, load_lane, store_lane, tensor_of
 from sphsolid.scheme.viscous_share import viscous_share
 
 if TYPE_CHECKING:
@@ -56,20 +62,13 @@ Array = NDArray[np.float64]
 #: Width of the foot of a ramp, over the shear modulus.
 FOOT = 0.01
 
-
-class NearPairs(NamedTuple):
-    """Row ``a`` has the pairs ``indptr[a] .. indptr[a + 1]`` with ``indices`` and ``volume`` [m^3].
-
-    ``X (3, .)`` [m] are the particles, ``V (N,)`` [m^3] their volumes; ``per_square`` [1/m^2] is
-    ``1 / |X|^2`` of a pair, since a division takes as long as twenty products.
-    """
-
-    indptr: NDArray[np.uint64]
-    indices: NDArray[np.uint32]
-    volume: Array
-    per_square: Array
-    X: Array
-    V: Array
+# Scratch rows of a lane: sums over the two ends, differences of them, numbers of the pair.
+_F, _L, _X, _E, _V_AB, _VOLUME, _PER_SQUARE = 0, 9, 18, 21, 24, 27, 28
+# And what is found, one row after another: the part in the stress and the force.
+_S, _T = 29, 38
+_ROWS = 41
+#: Numbers of a pair that a tile keeps until they are added up.
+_FOUND = 12
 
 
 @inlined
@@ -115,12 +114,12 @@ def mean_with(f: Any, A: Tensor, b: Any) -> Tensor:
 
 
 @inlined
-def _ramp(x: Any, width: Any) -> Any:
+def _ramp(x: Any, width: Any, per_width: Any) -> Any:
     """``(x)_+`` and its derivative."""
     # Chosen, not branched to: which of two signs comes next nobody can predict.
     rise = x if x > 0.0 else 0.0
     foot = rise if rise < width else width
-    slope = foot / width
+    slope = foot * per_width
     return 0.5 * foot * slope + (rise - foot), slope
 
 
@@ -135,8 +134,9 @@ def compression(parts: RestraintParts, F: Tensor) -> Any:
         + F[3] * F[3] + F[4] * F[4] + F[5] * F[5]
         + F[6] * F[6] + F[7] * F[7] + F[8] * F[8]
     )  # fmt: skip
-    pressure, pressed = _ramp(1.0 - J, FOOT * parts.sheared / parts.pressed)
-    shear, sheared = _ramp(square / 3.0 - J, FOOT)
+    foot = FOOT * parts.sheared / parts.pressed
+    pressure, pressed = _ramp(1.0 - J, foot, 1.0 / foot)
+    shear, sheared = _ramp((1.0 / 3.0) * square - J, FOOT, 1.0 / FOOT)
     pressed *= parts.pressed
     sheared *= parts.sheared
     return (
@@ -145,51 +145,143 @@ def compression(parts: RestraintParts, F: Tensor) -> Any:
     )
 
 
+@inlined
+def _vector(S: Any, row: int, lane: Any) -> Vector:
+    q = U(row * STRIDE) + lane
+    return (S[q], S[q + U(STRIDE)], S[q + U(2 * STRIDE)])
+
+
+@inlined
+def _store_vector(u: Vector, S: Any, row: int, lane: Any) -> None:
+    q = U(row * STRIDE) + lane
+    S[q], S[q + U(STRIDE)], S[q + U(2 * STRIDE)] = u[0], u[1], u[2]
+
+
+@inlined
+def _fetch(f, u, near, k, count, S, row, row_u):  # type: ignore[no-untyped-def]
+    """``f_a + f_b`` and ``u_b - u_a`` of ``count`` pairs from ``k`` on, to nine rows and three."""
+    a = U(near.a[k])
+    A, u0, u1, u2 = tensor_of(f, a), u[0, a], u[1, a], u[2, a]
+    for lane in range(count):
+        # Pairs with one ``a`` are mostly neighbours.
+        if U(near.a[k + lane]) != a:
+            a = U(near.a[k + lane])
+            A, u0, u1, u2 = tensor_of(f, a), u[0, a], u[1, a], u[2, a]
+        b = U(near.b[k + lane])
+        store_lane(add(A, tensor_of(f, b)), S, row, lane)
+        _store_vector((u[0, b] - u0, u[1, b] - u1, u[2, b] - u2), S, row_u, lane)
+
+
+@inlined
+def _fetch_pair(near, k, count, S):  # type: ignore[no-untyped-def]
+    """What the pairs are in the undeformed body."""
+    for lane in range(count):
+        X = apart(near.X, U(near.a[k + lane]), U(near.b[k + lane]))
+        _store_vector(X, S, _X, lane)
+    for lane in range(count):
+        S[U(_VOLUME * STRIDE) + lane] = near.volume[k + lane]
+        S[U(_PER_SQUARE * STRIDE) + lane] = near.per_square[k + lane]
+
+
+@inlined
+def _hold(parts, count, S):  # type: ignore[no-untyped-def]
+    """What the stiffness does, of ``count`` lanes; ``e`` takes the place of the difference."""
+    for lane in range(count):
+        F, X = scale(0.5, load_lane(S, _F, lane)), _vector(S, _X, lane)
+        e = unseen(F, X, _vector(S, _E, lane))
+        volume, per_square = S[U(_VOLUME * STRIDE) + lane], S[U(_PER_SQUARE * STRIDE) + lane]
+        r2 = (e[0] * e[0] + e[1] * e[1] + e[2] * e[2]) * per_square
+        held, slope = compression(parts, F)
+        c = volume * per_square * (parts.quartic * r2 + parts.elastic + held)
+        t = (c * e[0], c * e[1], c * e[2])
+        store_lane(axpy(-0.5 * volume * r2, slope, _dyad(t, X)), S, _S, lane)
+        _store_vector(t, S, _T, lane)
+        _store_vector(e, S, _E, lane)
+
+
+@inlined
+def _damp(parts, count, S):  # type: ignore[no-untyped-def]
+    """What the viscosity does, added."""
+    for lane in range(count):
+        F, L = scale(0.5, load_lane(S, _F, lane)), scale(0.5, load_lane(S, _L, lane))
+        X, e, t = _vector(S, _X, lane), _vector(S, _E, lane), _vector(S, _T, lane)
+        s = rate(F, L, unseen(L, X, _vector(S, _V_AB, lane)), e)
+        per_length = math.sqrt(S[U(_PER_SQUARE * STRIDE) + lane])
+        share = viscous_share(F, parts.most)
+        c = S[U(_VOLUME * STRIDE) + lane] * per_length * parts.viscosity * share
+        w = (c * s[0], c * s[1], c * s[2])
+        u = (
+            F[0] * w[0] + F[1] * w[1] + F[2] * w[2],
+            F[3] * w[0] + F[4] * w[1] + F[5] * w[2],
+            F[6] * w[0] + F[7] * w[1] + F[8] * w[2],
+        )
+        total = axpy(-1.0, _dyad(e, w), add(load_lane(S, _S, lane), _dyad(u, X)))
+        store_lane(total, S, _S, lane)
+        _store_vector((t[0] + u[0], t[1] + u[1], t[2] + u[2]), S, _T, lane)
+
+
+@inlined
+def _of_slot(S, q, length):  # type: ignore[no-untyped-def]
+    """Stress and force from twelve rows of ``length``, the first at ``q``."""
+    r, two, three = q + U(3) * length, length + length, U(3) * length
+    p, n = r + three, r + three + three
+    stress = (
+        S[q], S[q + length], S[q + two],
+        S[r], S[r + length], S[r + two],
+        S[p], S[p + length], S[p + two],
+    )  # fmt: skip
+    return stress, (S[n], S[n + length], S[n + two])
+
+
 @kernel
-def restrain(near, parts, measured, direct, P):  # type: ignore[no-untyped-def]
+def restrain(near, parts, measured, direct, P, scratch):  # type: ignore[no-untyped-def]
     """``direct (3, .)`` [N/m^3] is written; the part through ``F`` is added to ``P`` [Pa]."""
     x, v, F, L = measured
     damped = L.size > 0
-    for a in prange(len(near.V)):
-        f0 = f1 = f2 = 0.0
-        S = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
-        F_a = tensor_of(F, a)
-        L_a = tensor_of(L, a) if damped else F_a
-        for k in range(near.indptr[a], near.indptr[a + 1]):
-            b = near.indices[k]
-            X = apart(near.X, a, b)
-            F_m = mean_with(F, F_a, b)
-            e = unseen(F_m, X, apart(x, a, b))
-            per_square = near.per_square[k]
-            r2 = (e[0] * e[0] + e[1] * e[1] + e[2] * e[2]) * per_square
-            held, slope = compression(parts, F_m)
-            c = near.volume[k] * per_square * (parts.quartic * r2 + parts.elastic + held)
-            t0, t1, t2 = c * e[0], c * e[1], c * e[2]
-            S = axpy(-0.5 * near.volume[k] * r2, slope, S)
-            if damped:
-                L_m = mean_with(L, L_a, b)
-                s = rate(F_m, L_m, unseen(L_m, X, apart(v, a, b)), e)
-                share = viscous_share(F_m, parts.most)
-                c = near.volume[k] * math.sqrt(per_square) * parts.viscosity * share
-                w0, w1, w2 = c * s[0], c * s[1], c * s[2]
-                t0 += F_m[0] * w0 + F_m[1] * w1 + F_m[2] * w2
-                t1 += F_m[3] * w0 + F_m[4] * w1 + F_m[5] * w2
-                t2 += F_m[6] * w0 + F_m[7] * w1 + F_m[8] * w2
-                S = axpy(-1.0, _dyad(e, (w0, w1, w2)), S)
-            f0 += t0
-            f1 += t1
-            f2 += t2
-            S = add(S, _dyad((t0, t1, t2), X))
-        per_volume = 1.0 / near.V[a]
-        direct[0, a], direct[1, a], direct[2, a] = (
-            f0 * per_volume, f1 * per_volume, f2 * per_volume
-        )  # fmt: skip
-        S = scale(-0.5 * per_volume, S)
-        if P.ndim == 2:
-            for c in range(9):
-                P[c, a] += S[c]
-        else:
-            store(add(load(P, a), S), P, a)
+    workers, tiles = len(scratch), len(near.tile) - 1
+    kept, length = U(_ROWS * STRIDE), (U(scratch.shape[1]) - U(_ROWS * STRIDE)) // U(_FOUND)
+    for worker in prange(workers):
+        S = scratch[worker]
+        begin, end = on_tile.share(worker, workers, tiles)
+        for tile in range(begin, end):
+            first, last = near.row[tile], near.row[tile + U(1)]
+            for k in range(first, last, U(LANES)):
+                count = min(U(LANES), last - k)
+                _fetch(F, x, near, k, count, S, _F, _E)
+                _fetch_pair(near, k, count, S)
+                # Some lanes more than there are pairs, so that only whole registers are used.
+                lanes = (count + U(GRAIN - 1)) // U(GRAIN) * U(GRAIN)
+                _hold(parts, lanes, S)
+                if damped:
+                    _fetch(L, v, near, k, count, S, _L, _V_AB)
+                    _damp(parts, lanes, S)
+                for c in range(U(_FOUND)):
+                    source, target = (U(_S) + c) * U(STRIDE), kept + c * length + (k - first)
+                    for lane in range(lanes):
+                        S[target + lane] = S[source + lane]
+            for i in range(near.tile[tile], near.tile[tile + U(1)]):
+                f0 = f1 = f2 = 0.0
+                total = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+                lowest, middle = U(near.begin[U(2) * i]), U(near.begin[U(2) * i + U(1)])
+                for j in range(lowest, middle):
+                    stress, t = _of_slot(S, kept + U(near.slot[j]), length)
+                    total = add(total, stress)
+                    f0, f1, f2 = f0 - t[0], f1 - t[1], f2 - t[2]
+                for j in range(middle, U(near.begin[U(2) * i + U(2)])):
+                    stress, t = _of_slot(S, kept + U(near.slot[j]), length)
+                    total = add(total, stress)
+                    f0, f1, f2 = f0 + t[0], f1 + t[1], f2 + t[2]
+                a = U(near.particle[i])
+                per_volume = 1.0 / near.V[a]
+                direct[0, a], direct[1, a], direct[2, a] = (
+                    f0 * per_volume, f1 * per_volume, f2 * per_volume
+                )  # fmt: skip
+                total = scale(-0.5 * per_volume, total)
+                if P.ndim == 2:
+                    for c in range(9):
+                        P[c, a] += total[c]
+                else:
+                    store(add(load(P, a), total), P, a)
 
 
 @kernel
@@ -202,29 +294,31 @@ def energies(near, parts, measured, given, out):  # type: ignore[no-untyped-def]
     x, v, F, L = measured
     v_given, L_given = given
     damped = L.size > 0
-    for a in prange(len(near.V)):
-        stored = taken = 0.0
-        F_a = tensor_of(F, a)
-        for k in range(near.indptr[a], near.indptr[a + 1]):
-            b = near.indices[k]
-            X = apart(near.X, a, b)
-            F_m = mean_with(F, F_a, b)
-            e = unseen(F_m, X, apart(x, a, b))
-            per_square = near.per_square[k]
-            r2 = (e[0] * e[0] + e[1] * e[1] + e[2] * e[2]) * per_square
-            held, _ = compression(parts, F_m)
-            half = 0.25 * parts.quartic * r2 + 0.5 * (parts.elastic + held)
-            stored += near.volume[k] * half * r2
-            if damped:
-                L_m = mean_with(L, tensor_of(L, a), b)
-                s = rate(F_m, L_m, unseen(L_m, X, apart(v, a, b)), e)
-                L_m = mean_with(L_given, tensor_of(L_given, a), b)
-                other = rate(F_m, L_m, unseen(L_m, X, apart(v_given, a, b)), e)
-                share = viscous_share(F_m, parts.most)
-                c = near.volume[k] * math.sqrt(per_square) * parts.viscosity * share
-                taken -= c * (s[0] * other[0] + s[1] * other[1] + s[2] * other[2])
-        out[a, 0] = 0.5 * stored
-        out[a, 1] = 0.5 * taken
+    for tile in prange(len(near.tile) - 1):
+        first = near.row[tile]
+        for i in range(near.tile[tile], near.tile[tile + 1]):
+            stored = taken = 0.0
+            for j in range(near.begin[2 * i], near.begin[2 * i + 2]):
+                k = first + U(near.slot[j])
+                a, b = U(near.a[k]), U(near.b[k])
+                X = apart(near.X, a, b)
+                F_m = mean_with(F, tensor_of(F, a), b)
+                e = unseen(F_m, X, apart(x, a, b))
+                per_square = near.per_square[k]
+                r2 = (e[0] * e[0] + e[1] * e[1] + e[2] * e[2]) * per_square
+                held, _ = compression(parts, F_m)
+                half = 0.25 * parts.quartic * r2 + 0.5 * (parts.elastic + held)
+                stored += near.volume[k] * half * r2
+                if damped:
+                    L_m = mean_with(L, tensor_of(L, a), b)
+                    s = rate(F_m, L_m, unseen(L_m, X, apart(v, a, b)), e)
+                    L_m = mean_with(L_given, tensor_of(L_given, a), b)
+                    other = rate(F_m, L_m, unseen(L_m, X, apart(v_given, a, b)), e)
+                    share = viscous_share(F_m, parts.most)
+                    c = near.volume[k] * math.sqrt(per_square) * parts.viscosity * share
+                    taken -= c * (s[0] * other[0] + s[1] * other[1] + s[2] * other[2])
+            out[near.particle[i], 0] = 0.5 * stored
+            out[near.particle[i], 1] = 0.5 * taken
 
 
 class PairRestraint(RestraintTerm):
@@ -235,16 +329,17 @@ class PairRestraint(RestraintTerm):
     def __init__(self, options: Restraint, parts: RestraintParts, set_up: SetUp) -> None:
         super().__init__(options, parts, set_up)
         cloud = set_up.cloud
-        self._near = near = near_pairs(cloud.mesh, cloud.X, cloud.V)
+        edges = edges_of(cloud.mesh)
+        self._near = near_pairs(edges, cloud.X, cloud.V)
         share = options.stiffness.compressed
         if share > 0.0:
             self.form += f", with {share:g} of the stress that presses on them"
         self._direct = vector_field(cloud.size)
         self._energies = np.zeros((cloud.size, 2))
-        first = near.indptr.astype(np.int64)
-        row = np.repeat(np.arange(cloud.size), first[1:] - first[:-1])
-        pull = parts.viscosity * near.volume * np.sqrt(near.per_square)
-        pull = np.bincount(row, pull) / cloud.V
+        self._scratch = make_scratch(self._near)
+        pull = parts.viscosity * edges.volume / edges.lengths(cloud.X)
+        ends = np.concatenate([edges.b, edges.a])
+        pull = np.bincount(ends, np.concatenate([pull, pull])) / cloud.V
         # Twice the largest sum over the pairs of a particle, by Gershgorin; the motion of a pair
         # that its gradients see is taken out, which makes it less.
         self.rate = 2.0 * float(np.max(pull)) / set_up.material.density
@@ -253,8 +348,9 @@ class PairRestraint(RestraintTerm):
         """The part through ``F``; the other is kept for :meth:`add_rates`."""
         measured = self.measured(stage)
         restrain(
-            self._near, self.acting, measured, components(self._direct), components(stage.P)
-        )
+            self._near, self.acting, measured, components(self._direct), components(stage.P),
+            self._scratch,
+        )  # fmt: skip
 
     def add_rates(self, stage: Stage) -> None:
         """What acts between the two of a pair."""
@@ -266,18 +362,8 @@ class PairRestraint(RestraintTerm):
         return float(stored), float(taken)
 
 
-def near_pairs(mesh: Mesh, X: Array, V: Array) -> NearPairs:
-    """The edges of the cells, seen from both ends."""
-    edges = edges_of(mesh)
-    ends = np.concatenate([edges.a, edges.b]), np.concatenate([edges.b, edges.a])
-    volume = np.concatenate([edges.volume, edges.volume])
-    matrix = csr_array((volume, ends), shape=(len(X), len(X)))
-    matrix.sort_indices()
-    places = vector_field(len(X))
-    places[:] = X
-    row = np.repeat(np.arange(len(X)), np.diff(matrix.indptr))
-    per_square = 1.0 / np.sum((X[matrix.indices] - X[row]) ** 2, axis=1)
-    return NearPairs(
-        matrix.indptr.astype(np.uint64), matrix.indices.astype(np.uint32), matrix.data,
-        per_square, components(places), V,
-    )  # fmt: skip
+def make_scratch(near: NearPairs) -> Array:
+    """Scratch ``(workers, .)`` of :func:`restrain`, for as many threads as have a tile."""
+    workers = min(numba.config.NUMBA_NUM_THREADS, len(near.tile) - 1)
+    # Ones, so that lanes nobody has written to hold nothing slow or invalid.
+    return np.ones((workers, _ROWS * STRIDE + _FOUND * (near.most_rows + GRAIN)))
