@@ -24,8 +24,7 @@ def _reaction(particles, free, rate, out):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def keep_free(particles, free, rate):  # type: ignore[no-untyped-def]
-    """Leave of ``rate (N, 3)`` at ``particles (n,)`` what ``free (n, 3, 3)`` does."""
+def _keep_free(particles, free, rate):  # type: ignore[no-untyped-def]
     for n in prange(len(particles)):
         a = particles[n]
         r0, r1, r2 = rate[a, 0], rate[a, 1], rate[a, 2]
@@ -123,4 +122,4 @@ class EssentialConditions:
     def release(self, rate: Array) -> None:
         """Zero the constrained components of a rate ``(N, 3)``."""
         if len(self.particles):
-            keep_free(self.particles, self.free, rate)
+            _keep_free(self.particles, self.free, rate)

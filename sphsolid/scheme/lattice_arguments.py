@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from sphsolid.cloud.lattice.lines import Grid, Lines, Lines4, Lines6
-from sphsolid.compiled import overload
+from sphsolid.compiled import inlined, overload
 
 #: Types of the lines by how long a marker is: the order of their differences.
 _OF_ORDER: dict[int, type[Lines]] = {2: Lines, 4: Lines4, 6: Lines6}
@@ -54,3 +54,16 @@ def _unpacked(marker, whole, real, arrays, axis):  # type: ignore[no-untyped-def
         )  # fmt: skip
 
     return made
+
+
+@inlined
+def unpacked_grid(marker, whole, real, of_x, of_y, of_z):  # type: ignore[no-untyped-def]
+    """The grid again.
+
+    Inside a parallel loop: numba hands named tuples to it only if it knows their class by a name.
+    """
+    return Grid(
+        unpacked(marker, whole, real, of_x, 0),
+        unpacked(marker, whole, real, of_y, 1),
+        unpacked(marker, whole, real, of_z, 2),
+    )

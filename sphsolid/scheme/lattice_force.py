@@ -1,7 +1,7 @@
-"""The displacement form on a box lattice: forces from positions in one launch of a few passes.
+"""The displacement form on a box lattice: the passes of a launch (see ``lattice_step``).
 
-With ``F = grad x`` by differences that sum by parts along the axes, a filter ``S`` that is
-symmetric in the norm, and the restraint of ``lattice_restraint``,
+Forces from positions.  With ``F = grad x`` by differences that sum by parts along the axes, a
+filter ``S`` that is symmetric in the norm, and the restraint of ``lattice_restraint``,
 
     dilatation   J = det F, filtered in the planes
     pressure     U'(S J), filtered in the planes
@@ -29,6 +29,7 @@ from sphsolid.compiled import inlined, kernel, prange
 from sphsolid.continuum import law
 from sphsolid.continuum.tensor import axpy, cofactor, determinant
 from sphsolid.fields import leading
+from sphsolid.scheme.lattice_arguments import unpacked_grid
 from sphsolid.scheme.lattice_filter import smooth_across, smooth_in_plane
 from sphsolid.scheme.lattice_restraint import (
     restrain,
@@ -93,8 +94,11 @@ def make_work(grid: Grid, *, workers: int, filtered: bool, restrained: bool, bet
 
 
 @inlined
-def _dilatation(t, along_x, along_y, along_z, tables, x, work, limit):  # type: ignore[no-untyped-def]
-    grid, S = Grid(along_x, along_y, along_z), work.scratch
+def dilatation(  # type: ignore[no-untyped-def]
+    t, marker, whole, real, of_x, of_y, of_z, tables, x, work, limit
+):
+    """``J`` of positions ``x (3, .)``, filtered in the planes of worker ``t``, and ``limit``."""
+    grid, S = unpacked_grid(marker, whole, real, of_x, of_y, of_z), work.scratch
     ny, nz = grid.y.n, grid.z.n
     base = U(t) * (U(len(S)) // U(work.workers))
     q, one = base + U(_F), base + U(_PLANE) + U(3) * nz
@@ -117,17 +121,21 @@ def _dilatation(t, along_x, along_y, along_z, tables, x, work, limit):  # type: 
 
 
 @inlined
-def _pressure(t, along_x, along_y, along_z, tables, material, rest, work):  # type: ignore[no-untyped-def]
+def pressure(  # type: ignore[no-untyped-def]
+    t, marker, whole, real, of_x, of_y, of_z, tables, material, rest, work
+):
+    """``U'(S J)``, filtered in the planes."""
     S, J, difference = work.scratch, work.J, work.difference
-    ny, nz = along_y.n, along_z.n
+    grid = unpacked_grid(marker, whole, real, of_x, of_y, of_z)
+    ny, nz = grid.y.n, grid.z.n
     plane = ny * nz
     base = U(t) * (U(len(S)) // U(work.workers))
     one = base + U(_PLANE) + U(3) * nz
     two = one + plane + U(3) * nz
-    first, last = share(t, work.workers, along_x.n)
+    first, last = share(t, work.workers, grid.x.n)
     for i in range(first, last):
         at = i * plane
-        smooth_across(J, along_x, i, at, plane, plane, tables.smoothing, S, one)
+        smooth_across(J, grid.x, i, at, plane, plane, tables.smoothing, S, one)
         if len(difference) > 0:
             for k in range(plane):
                 difference[at + k] -= S[one + k]
@@ -180,10 +188,13 @@ def _hand_on(S, q, grid, tile, P, planes, to):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def _stress(  # type: ignore[no-untyped-def]
-    t, along_x, along_y, along_z, tables, material, rest, parts, x, p, work, limit, out
-):
-    grid, S, planes = Grid(along_x, along_y, along_z), work.scratch, work.planes
+def stress(  # type: ignore[no-untyped-def]
+    t, marker, whole, real, of_x, of_y, of_z, tables, material, rest, parts, x, p, work, limit,
+    out,
+):  # fmt: skip
+    """Stress and restraint, and what both do in the planes, to ``out (3, .)``."""
+    grid = unpacked_grid(marker, whole, real, of_x, of_y, of_z)
+    S, planes = work.scratch, work.planes
     ny, nz = grid.y.n, grid.z.n
     plane, base = ny * nz, U(t) * (U(len(S)) // U(work.workers))
     F, L, P = base + U(_F), base + U(_L), base + U(_P)
@@ -233,8 +244,9 @@ def _stress(  # type: ignore[no-untyped-def]
 
 
 @inlined
-def _force(t, along_x, along_y, along_z, work, out):  # type: ignore[no-untyped-def]
-    grid, S = Grid(along_x, along_y, along_z), work.scratch
+def force(t, marker, whole, real, of_x, of_y, of_z, work, out):  # type: ignore[no-untyped-def]
+    """The part across the planes, added to ``out (3, .)``."""
+    grid, S = unpacked_grid(marker, whole, real, of_x, of_y, of_z), work.scratch
     ny, nz = grid.y.n, grid.z.n
     q, plane = U(t) * (U(len(S)) // U(work.workers)), ny * nz
     first, last = share(t, work.workers, grid.x.n)
@@ -249,27 +261,6 @@ def _force(t, along_x, along_y, along_z, work, out):  # type: ignore[no-untyped-
                 for c in range(U(3)):
                     for k in range(tile.count):
                         out[c, tile.at + k] += S[q + c * U(STRIDE) + k]
-
-
-@kernel
-def forces(  # type: ignore[no-untyped-def]
-    along_x, along_y, along_z, tables, material, rest, parts, x, p, work, limit, out
-):
-    """``rho0 a  (3, .)`` [N/m^3] of positions ``x`` and momenta ``p  (3, .)``.
-
-    Also the smallest stretch of every particle, to ``limit (.)`` unless that is empty.
-    """
-    if tables.smoothing > U(0):
-        for t in prange(work.workers):
-            _dilatation(U(t), along_x, along_y, along_z, tables, x, work, limit)
-        for t in prange(work.workers):
-            _pressure(U(t), along_x, along_y, along_z, tables, material, rest, work)
-    for t in prange(work.workers):
-        _stress(
-            U(t), along_x, along_y, along_z, tables, material, rest, parts, x, p, work, limit, out
-        )
-    for t in prange(work.workers):
-        _force(U(t), along_x, along_y, along_z, work, out)
 
 
 @kernel

@@ -34,7 +34,6 @@ from sphsolid.scheme.term import Term
 from sphsolid.scheme.time_step import STRETCH
 
 Array = NDArray[np.float64]
-_NO_LOAD = np.zeros((0, 3))
 _FREE = RestraintParts(0.0, 0.0, 0.0, 0.0, 0.0, 1.0)
 
 
@@ -132,7 +131,7 @@ class LatticeRightHandSide(RightHandSide):
         """In one launch, unless somebody keeps a budget."""
         if self.has_budget:
             return False
-        load = np.ascontiguousarray(self.loads.at(t)[0]) if self.loads.any else _NO_LOAD
+        load = np.ascontiguousarray(self.loads.at(t)[0]) if self.loads.any else lattice_step.NO_LOAD
         essential, rows = self.essential, self._known_rows(state)
         lattice_step.drift_and_kick(
             a / self.material.density, b, self._middle, load, essential.particles, essential.free,
@@ -155,8 +154,8 @@ class LatticeRightHandSide(RightHandSide):
         return _FREE if self._restraint is None else self._restraint.acting
 
     def _sum(self, rows: tuple[Any, ...]) -> None:
-        lattice_force.forces(
-            *self._grid, self._planes, self.material, self._rest, self._parts, *rows[1:]
+        lattice_step.forces(
+            self._lines, self._planes, self.material, self._rest, self._parts, *rows[1:]
         )
 
     def _keep(self, state: State, arms: Array) -> None:

@@ -14,6 +14,8 @@ from sphsolid.cloud.lattice.lines import Grid, lines, norm, order_of, planes
 from sphsolid.continuum import law
 from sphsolid.fields import leading
 from sphsolid.scheme import lattice_force as lattice
+from sphsolid.scheme.lattice_arguments import packed
+from sphsolid.scheme.lattice_step import forces
 from sphsolid.scheme.restraint_term import RestraintParts
 
 SOLID = sph.NeoHookean.from_young(young_modulus=1.7e7, poisson_ratio=0.45, density=1100.0)
@@ -84,9 +86,9 @@ class LatticeBody:
             for given, field in ((x, self.x), (p, self.p))
         )
         out, limit = np.full_like(x, np.nan), np.full(x.shape[1], np.nan)
-        lattice.forces(
-            *self.grid, self.tables, law.in_kernels(self.solid), self.beta, parts, x, p, work,
-            limit, out,
+        forces(
+            packed(self.grid), self.tables, law.in_kernels(self.solid), self.beta, parts, x, p,
+            work, limit, out,
         )  # fmt: skip
         self.stretch = self._physical(limit[None, : self.V.size])[0]
         return self._physical(out[:, : self.V.size])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dis
 import errno
 from pathlib import Path
 
@@ -138,3 +139,18 @@ def test_a_damaged_cache_is_made_anew(tmp_path, monkeypatch, share):
         content = file.read_bytes()
         file.write_bytes(content[: int(share * len(content))])
     assert runs(compiled.serial_kernel(doubled))
+
+
+def test_no_kernel_calls_another():
+    """In a forked process the inner one would still have the threads of the parent."""
+    import fem_reference  # noqa: F401  (its kernels, too)
+    import sphsolid  # noqa: F401
+
+    kernels = {id(each) for each in compiled._KERNELS}
+    for each in compiled._KERNELS:
+        function = each.py_func
+        called = {
+            step.argval for step in dis.get_instructions(function) if step.opname == "LOAD_GLOBAL"
+        }
+        inner = [name for name in called if id(function.__globals__.get(name)) in kernels]
+        assert not inner, f"{function.__module__}.{function.__qualname__} calls {inner}"
