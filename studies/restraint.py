@@ -20,6 +20,7 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 import sphsolid as sph
+from sphsolid.defaults import H_OVER_DX_RESTRAINED
 from sphsolid.errors import Diverged
 from sphsolid.scenes import Box, Constraint, Scene
 from sphsolid.scheme.term import TermOption
@@ -36,6 +37,8 @@ STIFFNESSES = (10.0, 20.0, 40.0, 80.0, 200.0, 800.0)
 VISCOSITIES = (0.0, 0.005, 0.01, 0.02, 0.04)
 HELD = (0.1, 1.0, 100.0)
 COMPRESSED = (0.0, 0.1, 0.2, 0.4, 0.8)
+#: Smoothing lengths over the spacing, off lattices.
+SUPPORTS = (0.9, 1.0, 1.1, 1.2)
 #: What presses on a cube of disordered particles, over the shear modulus, and its discretisation.
 PRESSURES = (2.0, 4.0, 8.0)
 PRESSED_BODY, PRESSED_SPACING, PRESSED_STEPS = Box(jitter=0.3), 0.2, 200
@@ -97,6 +100,11 @@ def off_lattices() -> dict[str, Method]:
     }
 
 
+def supports() -> dict[str, Method]:
+    """By the smoothing length over the spacing: how many neighbours a particle has."""
+    return {f"{h:g}": PACKAGE.but(h_over_dx=h) for h in SUPPORTS}
+
+
 #: The default's own value of each part.
 DEFAULT = {"stiffness": "40", "viscosity": "0.02", "dilatation": "order 2"}
 
@@ -121,12 +129,12 @@ def cases(options: argparse.Namespace) -> Sequence[Case]:
         for pressure in PRESSURES[-1:] if options.quick else PRESSURES:
             key = f"pressed by {pressure:g} mu: compressed {value}"
             listed.append(Case(key, run_pressed, named | {"pressure": pressure}))
-        known = not options.quick and method is not SUPG
-        for nu, cells in itertools.product(NUS, DISORDERED) if known else ():
-            key = f"disordered cube nu {nu:g}: compressed {value}, {cells}"
-            listed.append(
-                Case(key, run_cube, named | {"nu": nu, "cells": cells, "body": DISORDERED_BODY})
-            )
+    disordered = {"compressed": off_lattices(), "h/dx": supports()}
+    for part, methods in disordered.items() if not options.quick else ():
+        for (value, method), nu, cells in itertools.product(methods.items(), NUS, DISORDERED):
+            named = {"part": part, "value": value, "method": method, "nu": nu, "cells": cells}
+            key = f"disordered cube nu {nu:g}: {part} {value}, {cells}"
+            listed.append(Case(key, run_cube, named | {"body": DISORDERED_BODY}))
     return listed
 
 
@@ -304,8 +312,8 @@ def map_figure(results: Results) -> Figure:
 
 
 def words(tables: Tables) -> dict[str, Any]:
-    """How fine the cube and the block are."""
-    return {"cube": CUBE, "block": BLOCK}
+    """How fine the cube and the block are, and the smoothing length of the default."""
+    return {"cube": CUBE, "block": BLOCK, "restrained": H_OVER_DX_RESTRAINED}
 
 
 STUDY = Study(

@@ -10,19 +10,20 @@ from typing import Any
 
 import numpy as np
 
-from sphsolid.cloud.lattice.lines import Grid, Lines, Lines4, Lines6
+from sphsolid.cloud.lattice.lines import LINES_OF_ORDER, Grid, Lines
 from sphsolid.compiled import inlined, overload
 
-#: Types of the lines by how long a marker is: the order of their differences.
-_OF_ORDER: dict[int, type[Lines]] = {2: Lines, 4: Lines4, 6: Lines6}
 _WHOLE = ("column", "n", "begin", "end", "reach")
 _REAL = ("dx", "one", "two", "three", "edge", "middle", "near", "far")
 _ARRAYS = ("first", "row", "weight", "inverse", "smooth")
 
 
 def packed(grid: Grid) -> tuple[Any, ...]:
-    """A marker of the type, whole numbers and reals ``(3, .)``, and the arrays of each axis."""
-    (order,) = (order for order, kind in _OF_ORDER.items() if type(grid.x) is kind)
+    """A marker of the type, whole numbers and reals ``(3, .)``, and the arrays of each axis.
+
+    The marker is a tuple as long as the order of the differences.
+    """
+    (order,) = (order for order, kind in LINES_OF_ORDER.items() if type(grid.x) is kind)
     return (
         (0,) * order,
         np.array([[getattr(axis, name) for name in _WHOLE] for axis in grid], dtype=np.uint64),
@@ -31,19 +32,9 @@ def packed(grid: Grid) -> tuple[Any, ...]:
     )
 
 
-def unpacked(marker: Any, whole: Any, real: Any, arrays: Any, axis: Any) -> Lines:
-    """The lines along ``axis`` again."""
-    w, r = whole[axis], real[axis]
-    first, row, weight, inverse, smooth = arrays
-    return _OF_ORDER[len(marker)](
-        w[0], w[1], r[0], w[2], w[3], r[1], r[2], r[3], first, row, weight, inverse, r[4],
-        w[4], r[5], r[6], r[7], smooth,
-    )  # fmt: skip
-
-
-@overload(unpacked)
-def _unpacked(marker, whole, real, arrays, axis):  # type: ignore[no-untyped-def]
-    kind = _OF_ORDER[len(marker)]
+def _unpacking(marker):  # type: ignore[no-untyped-def]
+    """What unpacks lines of the type that a marker, or its type in a kernel, stands for."""
+    kind = LINES_OF_ORDER[len(marker)]
 
     def made(marker, whole, real, arrays, axis):  # type: ignore[no-untyped-def]
         w, r = whole[axis], real[axis]
@@ -54,6 +45,17 @@ def _unpacked(marker, whole, real, arrays, axis):  # type: ignore[no-untyped-def
         )  # fmt: skip
 
     return made
+
+
+def unpacked(marker: Any, whole: Any, real: Any, arrays: Any, axis: Any) -> Lines:
+    """The lines along ``axis`` again."""
+    lines: Lines = _unpacking(marker)(marker, whole, real, arrays, axis)
+    return lines
+
+
+@overload(unpacked)
+def _unpacked(marker, whole, real, arrays, axis):  # type: ignore[no-untyped-def]
+    return _unpacking(marker)
 
 
 @inlined

@@ -20,6 +20,8 @@ Array = NDArray[np.float64]
 #: Name of the field of a form whose ``F`` is not of the end of a step: what ``_stretch_limits``
 #: found at the last evaluation.
 STRETCH = "smallest_stretch"
+#: No body bears a step of more: a larger number is a mistake, and is told before any step.
+LARGEST_CFL = 100.0
 ADVICE = (
     "a smaller cfl or load, more dissipation (tau_F, xi_F; tau_p near incompressibility), "
     "the Consistent operator everywhere, or a finer spacing"
@@ -66,10 +68,11 @@ def _reason(limit: float) -> str:
 
 
 def check_cfl(cfl: object) -> None:
-    """Raise ``InputError`` unless the CFL number is positive and finite."""
+    """Raise ``InputError`` unless the CFL number is positive and at most :data:`LARGEST_CFL`."""
     require(
-        isinstance(cfl, int | float) and math.isfinite(cfl) and cfl > 0.0,
-        f"cfl = {cfl!r} must be positive and finite, or 'auto'; 0.3 is the paper's value",
+        isinstance(cfl, int | float) and 0.0 < cfl <= LARGEST_CFL,
+        f"cfl = {cfl!r} is outside (0, {LARGEST_CFL:g}] and is not 'auto': no explicit step is "
+        "stable there; leave it out for the integrator's own, 0.3 is the paper's value",
     )
 
 

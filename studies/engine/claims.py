@@ -31,6 +31,8 @@ FIRST = (
     "not reproduced", "not met", "reproduced in part", "met in part", NOT_EXAMINED, REPORTED,
     "reproduced", "met",
 )  # fmt: skip
+#: Digits that are added at most where a rounded number would hold and the number does not.
+MORE_DIGITS = 4
 _COMPARE: dict[str, Callable[[float, float], bool]] = {
     "<=": operator.le, "<": operator.lt, ">=": operator.ge, ">": operator.gt,
 }  # fmt: skip
@@ -116,9 +118,9 @@ class Claim:
         parts = self._parts()
         text = self.said
         if not text and set(parts) == {""}:
-            text = self._number(parts[""])
+            text = self._measured_number("")
         elif not text:
-            text = ", ".join(f"{name} {self._number(value)}" for name, value in parts.items())
+            text = ", ".join(f"{name} {self._measured_number(name)}" for name in parts)
         if "folded" not in text:
             hidden = [name for name in parts if not self._is_sound(name) and self._meets(name)]
             names = ", ".join(filter(None, hidden))
@@ -149,7 +151,9 @@ class Claim:
 
     def _meets(self, name: str) -> bool:
         """By the number alone, whether or not the run can show it."""
-        value = self._parts()[name]
+        return self._does(self._parts()[name], name)
+
+    def _does(self, value: float, name: str) -> bool:
         if math.isnan(value) or self.comparison == "reported":
             return False
         if isinstance(self.asked, tuple):
@@ -164,10 +168,30 @@ class Claim:
         values = self._parts().values()
         return sound and all(_COMPARE[self.comparison](value, self.in_part) for value in values)
 
-    def _number(self, value: float) -> str:
+    def _measured_number(self, name: str) -> str:
+        """With as many digits as it takes to come to the same verdict from what is read."""
+        value = self._parts()[name]
+        if math.isnan(value) or self.comparison == "reported":
+            return self._number(value)
+        for form in _finer(self.format):
+            if self._does(_read(format(value, form)), name) == self._meets(name):
+                break
+        return self._number(value, form)
+
+    def _number(self, value: float, form: str = "") -> str:
         if math.isnan(value):
             return "-"
-        return format(value, self.format) + (f" {self.unit}" if self.unit else "")
+        return format(value, form or self.format) + (f" {self.unit}" if self.unit else "")
+
+
+def _finer(form: str) -> list[str]:
+    """A format, and the same with up to :data:`MORE_DIGITS` more digits."""
+    digits = int("".join(filter(str.isdigit, form.partition(".")[2])))
+    return [form.replace(f".{digits}", f".{digits + more}") for more in range(MORE_DIGITS + 1)]
+
+
+def _read(text: str) -> float:
+    return float(text[:-1]) / 100.0 if text.endswith("%") else float(text)
 
 
 def claims_table(claims: Sequence[Claim], *, worst_first: bool = True) -> pd.DataFrame:

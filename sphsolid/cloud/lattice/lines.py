@@ -60,7 +60,8 @@ class Lines6(Lines):
     """The same of order six."""
 
 
-_OF_ORDER: dict[int, type[Lines]] = {2: Lines, 4: Lines4, 6: Lines6}
+#: Types of the lines by the order of their differences.
+LINES_OF_ORDER: dict[int, type[Lines]] = {2: Lines, 4: Lines4, 6: Lines6}
 
 
 class Grid(NamedTuple):
@@ -106,7 +107,7 @@ def lines(order: int, n: int, dx: float, *, column: int, smoothing: int) -> Line
         row[i, :width] = D[i, start : start + width] / dx
     reach = 2 if n >= 5 else 1 if n >= 3 else 0
     a = [float(c) / dx for c in central(order)] + [0.0, 0.0]
-    return _OF_ORDER[order](
+    return LINES_OF_ORDER[order](
         column=np.uint64(column),
         n=np.uint64(n),
         dx=float(dx),

@@ -82,8 +82,8 @@ def test_the_plan_says_which_edge_the_support_counts() -> None:
         scene = Scene("bar", Box(upper=upper, jitter=0.2), RUBBER, 1.0)
         return sph.Simulation(scene, spacing=0.8).plan()
 
-    assert "support 1.75 m = 2 times the widest edge, 0.875 m" in support((3.0, 3.5, 3.0))
-    assert "support 1.5 m = 2 dx" in support((3.0, 3.0, 3.0))
+    assert "support 1.925 m = 2.2 times the widest edge, 0.875 m" in support((3.0, 3.5, 3.0))
+    assert "support 1.65 m = 2.2 dx" in support((3.0, 3.0, 3.0))
 
 
 def test_flat_cells_reach_sideways() -> None:

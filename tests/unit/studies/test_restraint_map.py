@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import argparse
+import dataclasses
 
 import pandas as pd
 import pytest
 
 import sphsolid as sph
+from sphsolid.defaults import H_OVER_DX_RESTRAINED
 from studies import restraint
 from studies.methods import PACKAGE
 
@@ -24,9 +26,20 @@ def test_the_default_is_among_the_variants_of_each_part() -> None:
 def test_every_variant_meets_every_problem() -> None:
     listed = restraint.cases(argparse.Namespace(quick=False))
     lattices = len(restraint.variants()) * (len(restraint.HARD) + 2 * len(restraint.NUS))
-    each = len(restraint.PRESSURES) + len(restraint.NUS) * len(restraint.DISORDERED)
-    assert len(listed) == lattices + len(restraint.COMPRESSED) * each + len(restraint.PRESSURES)
+    pressed = (len(restraint.COMPRESSED) + 1) * len(restraint.PRESSURES)
+    shares = len(restraint.COMPRESSED) + len(restraint.SUPPORTS)
+    assert len(listed) == lattices + pressed + shares * 4
     assert len({case.key for case in listed}) == len(listed)
+
+
+def test_the_default_is_among_the_supports() -> None:
+    scene = dataclasses.replace(sph.scenes.swinging_cube(), body=restraint.DISORDERED_BODY)
+    own = PACKAGE.simulation(scene, spacing=0.25).cloud.h
+    found = [
+        value for value, method in restraint.supports().items()
+        if method.simulation(scene, spacing=0.25).cloud.h == own
+    ]  # fmt: skip
+    assert found == [f"{H_OVER_DX_RESTRAINED:g}"]
 
 
 def test_the_default_holds_a_pressed_cube_that_is_lost_without() -> None:
