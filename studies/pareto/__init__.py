@@ -25,7 +25,7 @@ from studies.measures.tables import select
 from studies.methods import B_BAR, LATTICE, PACKAGE, TAYLOR_HOOD, Method
 from studies.pareto.choice import ENERGY_MADE, SAME_COST, WITHIN, recommendation
 from studies.pareto.figures import at_cost, by_error, by_scene, decided_rows, drawing, of_each
-from studies.pareto.front import front_claims
+from studies.pareto.front import front_claims, slope_claims
 from studies.pareto.iso_error import (
     ASKED,
     CERTAIN,
@@ -240,7 +240,9 @@ def options_table(table: pd.DataFrame) -> pd.DataFrame:
 
 def claims(tables: Tables) -> list[Claim]:
     """What was asked of lattices; SPH against FEM, problem by problem: how often it costs less."""
-    found = [*front_claims(tables["by_method"], tables["medians"])]
+    found = [
+        *front_claims(tables["by_method"], tables["medians"]), *slope_claims(tables["table"]),
+    ]  # fmt: skip
     for name, what in (("ratios", "any particles"), ("ratios_stabilised", "stabilised particles")):
         for (scene, nu), part in tables[name].groupby(["scene", "nu"], sort=False):
             if name == "ratios_stabilised" and not PROBLEMS[scene].everyone:

@@ -10,7 +10,7 @@ import pandas as pd
 
 from studies.engine.claims import Claim
 from studies.measures.tables import select
-from studies.methods import PACKAGE
+from studies.methods import B_BAR, PACKAGE
 from studies.pareto.iso_error import ASKED, DECIDED, ONLY_FEM, ONLY_SPH, OPEN
 from studies.pareto.methods import LATTICES
 from studies.pareto.problems import COLUMN, FAIR, LINEAR_FAIR, MEASURES, PROBLEMS
@@ -90,6 +90,25 @@ def front_claims(compared: pd.DataFrame, medians: pd.DataFrame) -> Iterator[Clai
                 f"median over all comparable rows of the cost of {name} over the cheaper finite "
                 "element", float(by_name[name]), "<=", MEDIAN,
             )  # fmt: skip
+
+
+def slope_claims(table: pd.DataFrame) -> Iterator[Claim]:
+    """Off lattices: slopes in the last refinement of the default, and of hexahedra beside it."""
+    for (scene, nu), runs in table.groupby(["scene", "nu"], sort=False):
+        if PROBLEMS[scene].on_lattice:
+            continue
+        for field in ("momentum", "stress"):
+            slopes = {}
+            for name in (PACKAGE.name, B_BAR.name):
+                last = select(runs, method=name).sort_values("cells").tail(2)
+                if len(last) == 2 and not last["folded"].any():
+                    error, cells = last[field].to_numpy(), last["cells"].to_numpy()
+                    slopes[name] = math.log(error[0] / error[1]) / math.log(cells[1] / cells[0])
+            if len(slopes) == 2:
+                yield Claim(
+                    f"slope of the {field}, {PACKAGE.name} beside elements", slopes, format=".2f",
+                    where=f"{PROBLEMS[scene].title}, nu = {nu:g}",
+                )  # fmt: skip
 
 
 def _rank(ratios: dict[str, float], rows: pd.DataFrame, most: float) -> tuple[float, ...]:

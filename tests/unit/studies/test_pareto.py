@@ -32,7 +32,7 @@ from studies.pareto import (
 from studies.pareto import problems as of_problems
 from studies.pareto.choice import FAMILIES, SAME_COST, WITHIN, chosen, recommendation
 from studies.pareto.figures import at_cost, by_error, by_scene
-from studies.pareto.front import TARGETS, front_claims, measured
+from studies.pareto.front import TARGETS, front_claims, measured, slope_claims
 from studies.pareto.iso_error import (
     ASKED,
     BETWEEN,
@@ -215,7 +215,8 @@ def test_verdicts_and_words_follow_from_the_outcomes(pairs, verdict):
     found = pd.concat([nothing, *(ratios(made_up_iso(*pair)) for pair in pairs)])
     alone = by_method(made_up_iso(1.0, 1.0).iloc[:0])
     judged = {"ratios": found, "ratios_stabilised": found, "by_method": alone,
-              "medians": medians(alone)}  # fmt: skip
+              "medians": medians(alone),
+              "table": rows_of()}  # fmt: skip
     asked, counted = claims(judged)[: -2 * found["nu"].nunique()], claims(judged)[-2:]
     assert {c.verdict for c in asked} == {"not examined"}, "nothing of what was asked was run"
     assert {c.verdict for c in counted} == {verdict}
@@ -288,6 +289,21 @@ def test_the_best_lattice_method_is_judged_and_the_default_beside_it():
     assert any("only particles reach it" in c.said for c in stress)
     overall = [c for c in front_claims(rows, medians(rows)) if c.what.startswith("median")]
     assert [c.measured for c in overall] == [pytest.approx(0.375), pytest.approx(0.55)]
+
+
+def test_slopes_off_lattices_are_those_of_the_last_refinement():
+    scene = next(name for name, problem in PROBLEMS.items() if not problem.on_lattice)
+    rows = [
+        {"scene": scene, "nu": 0.3, "method": method, "cells": cells, "folded": folded,
+         "momentum": 9.0 / cells**2, "stress": (5.0 if cells == 4 else 1.0) / cells**order}
+        for method, order, folded in ((PACKAGE.name, 2.0, False), ("B-bar FEM", 1.5, False))
+        for cells in (16, 4, 8)
+    ]  # fmt: skip
+    momentum, stress = slope_claims(pd.DataFrame(rows))
+    assert momentum.measured == pytest.approx({PACKAGE.name: 2.0, "B-bar FEM": 2.0})
+    assert stress.measured == pytest.approx({PACKAGE.name: 2.0, "B-bar FEM": 1.5})
+    assert not [*slope_claims(pd.DataFrame(rows).assign(folded=True))]
+    assert not [*slope_claims(pd.DataFrame(rows).assign(scene=FAIR))]
 
 
 def test_errors_at_equal_cost_lie_between_lattices():
