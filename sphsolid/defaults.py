@@ -36,6 +36,7 @@ Every value comes from a study that can be run again; ``docs/stability.md`` has 
 from __future__ import annotations
 
 import csv
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -88,16 +89,24 @@ def default_integrator() -> Integrator:
     return PositionVerlet()
 
 
-def default_dilatation(formulation: Formulation, stabilisation: Stabilisation) -> Dilatation:
-    """A filtered one in the displacement form with a restraint, each particle's own elsewhere."""
-    if is_displacement_form(formulation) and is_restraint(stabilisation):
-        return FilteredDilatation()
-    return OwnDilatation()
+def default_dilatation(formulation: Formulation, terms: Sequence[object]) -> Dilatation:
+    """A filtered one in the displacement form with a restraint, each particle's own elsewhere.
+
+    Never a second one: that of ``terms`` is the one that acts.
+    """
+    given = any(isinstance(term, FilteredDilatation) for term in terms)
+    filtered = is_restrained(formulation, terms) and not given
+    return FilteredDilatation() if filtered else OwnDilatation()
 
 
 def is_restraint(stabilisation: object) -> bool:
     """True for the option that gives unseen motion a stiffness."""
     return isinstance(stabilisation, Restraint)
+
+
+def is_restrained(formulation: Formulation, terms: Sequence[object]) -> bool:
+    """True for the displacement form with a restraint among its terms, stabilisation included."""
+    return is_displacement_form(formulation) and any(map(is_restraint, terms))
 
 
 def default_cfl(integrator: Integrator) -> float:
@@ -202,6 +211,9 @@ def stability_limit(
     integrator: Integrator, formulation: Formulation, material: Any
 ) -> StabilityLimit | NotTabulated:
     """Measured limit of the default settings: that of the next larger Poisson's ratio tried."""
+    if is_displacement_form(formulation):
+        # The map is of SUPG, whose step counts distances, not the highest frequency.
+        return NotTabulated()
     law = "{p,F,J}" if formulation.evolves_J else "{p,F}"
     with LIMITS.open(encoding="utf-8", newline="") as file:
         rows = [

@@ -12,8 +12,7 @@ from sphsolid.cloud.lengths import Local
 from sphsolid.compiled import description
 from sphsolid.defaults import (
     NotTabulated,
-    is_displacement_form,
-    is_restraint,
+    is_restrained,
     stability_limit,
 )
 from sphsolid.recommendation import NotMeasured
@@ -30,7 +29,8 @@ def plan(sim: Simulation) -> str:
     """What is active and why, what was chosen by default, what it will cost."""
     f, c, step = sim.formulation, sim.cloud, sim._time_step
     cost: dict[str, Any] = description()
-    steps = math.ceil(max(0.0, sim.scene.end_time - sim.time) / step.reference)
+    reference = min(step.reference, sim._rhs.largest_step(sim._state))
+    steps = math.ceil(max(0.0, sim.scene.end_time - sim.time) / reference)
     memory = sim.memory_bytes()
     lines = [
         f"scene          {sim.scene.name}: {sim.scene.provenance or 'no provenance given'}",
@@ -51,9 +51,9 @@ def plan(sim: Simulation) -> str:
         "projection     " + type(sim.angular_momentum).__name__,
         "stabilisation  " + _stabilisation(sim),
         f"integrator     {sim.integrator.name}, CFL {step.cfl:g} ({_limit(sim)}), undeformed step "
-        f"{step.reference:.4g} s, at least {steps} steps and {steps * sim.integrator.stages} "
-        f"evaluations to {sim.scene.end_time:.4g} s: the step shrinks with the smallest stretch of "
-        "a particle",
+        f"{reference:.4g} s{_by_terms(step.reference, reference)}, at least {steps} steps and "
+        f"{steps * sim.integrator.stages} evaluations to {sim.scene.end_time:.4g} s: the step "
+        "shrinks with the smallest stretch of a particle",
         *_advice(sim),
         "by default     " + (", ".join(sim.by_default) or "nothing: every option was given"),
         f"memory         {memory / 1e6:.1f} MB, {memory / c.size:.0f} B a particle",
@@ -121,9 +121,23 @@ def _why(sim: Simulation) -> str:
     return "; chosen because away from a lattice no other is second order"
 
 
+def _by_terms(by_cfl: float, allowed: float) -> str:
+    """Whether a term allows less than the CFL number, such as the viscosity of a restraint."""
+    if allowed >= by_cfl:
+        return ""
+    return f" (a term allows {allowed / by_cfl:.2g} of what the CFL number does)"
+
+
 def _limit(sim: Simulation) -> str:
-    if is_displacement_form(sim.formulation) and is_restraint(sim.stabilisation):
-        return "1 is what the highest frequency of the undeformed body allows"
+    if is_restrained(sim.formulation, (sim.stabilisation, *sim.terms)):
+        phase = getattr(sim.integrator, "largest_phase", math.nan)
+        if math.isnan(phase):
+            return "1 is a step of two over the highest frequency of the undeformed body"
+        if phase == 0.0:
+            return "no step is short enough: what is not damped grows, slowly at first"
+        return (
+            f"{0.5 * phase:.3g} is what the highest frequency of the undeformed body allows"
+        )
     others = {"formulation", "integrator", "cfl"}
     if others.union(sim.by_default) >= {"stabilisation", "h_over_dx", "operator", "smoothing"}:
         limit = stability_limit(sim.integrator, sim.formulation, sim.material)

@@ -10,6 +10,7 @@ from typing import Literal as OneOf
 
 from sphsolid.cloud.cloud import Cloud
 from sphsolid.cloud.first_possible import Candidate, first_possible
+from sphsolid.cloud.lattice_difference import LatticeDifference
 from sphsolid.cloud.long_cells import doubts
 from sphsolid.cloud.operator import OperatorKind, check_operator
 from sphsolid.cloud.secondary import default_secondary
@@ -20,19 +21,19 @@ from sphsolid.defaults import (
     default_dilatation,
     default_integrator,
     default_stabilisation,
-    is_displacement_form,
+    is_restrained,
     is_restraint,
     largest_stable_cfl,
     operator_candidates,
 )
-from sphsolid.errors import InputError
+from sphsolid.errors import InputError, require
 from sphsolid.geometry.body import Spacing
 from sphsolid.geometry.mesh import Mesh
 from sphsolid.recommendation import Recommendation, recommend, recommend_supg
 from sphsolid.record.probes import check_probes
 from sphsolid.scenes.checks import as_float, number
 from sphsolid.scenes.scene import Scene, check_scene
-from sphsolid.scheme.dilatation import Dilatation, check_dilatation
+from sphsolid.scheme.dilatation import Dilatation, FilteredDilatation, check_dilatation
 from sphsolid.scheme.formulation import Formulation
 from sphsolid.scheme.initial_strain import InitialStrain, check_initial_strain
 from sphsolid.scheme.integrator import Integrator, check_integrator
@@ -139,11 +140,22 @@ def choose(scene: Scene, options: Options) -> Method:
         check_pair(formulation, stabilisation)
     dilatation = options.dilatation
     if dilatation is None:
-        dilatation = default_dilatation(formulation, stabilisation)
+        dilatation = default_dilatation(formulation, (stabilisation, *options.terms))
+    _check_one_filter(dilatation, options.terms)
     return Method(
         material, integrator, advice, formulation, cfl, mesh, stabilisation, dilatation,
         tuple(options.terms), treatment,
     )  # fmt: skip
+
+
+def _check_one_filter(dilatation: Dilatation, terms: Sequence[TermOption]) -> None:
+    """Each takes ``U(J)`` away and puts ``U(S J)`` in its place: of two, the energy is negative."""
+    filters = [each for each in (dilatation, *terms) if isinstance(each, FilteredDilatation)]
+    require(
+        len(filters) < 2,
+        f"{len(filters)} filtered dilatations ({', '.join(map(repr, filters))}): the volumetric "
+        "energy sees one Jacobian; give one, as dilatation=FilteredDilatation(...)",
+    )
 
 
 def _advice(scene: Scene, options: Options) -> Recommendation:
@@ -189,7 +201,7 @@ class Discretised:
 
 def discretised(method: Method, options: Options) -> Discretised:
     """Particles of ``method`` with the first operator that exists; warns of what is doubtful."""
-    restrained = is_displacement_form(method.formulation) and is_restraint(method.stabilisation)
+    restrained = is_restrained(method.formulation, (method.stabilisation, *method.terms))
     found = first_possible(
         method.mesh,
         WendlandC2() if options.smoothing is None else options.smoothing,
@@ -197,10 +209,22 @@ def discretised(method: Method, options: Options) -> Discretised:
             method.mesh, options.operator, options.h_over_dx, restrained=restrained
         ),
     )
+    if restrained:
+        _refuse_unused(found.candidate.operator, options)
     doubtful = tuple(doubts(found.cloud))
     if doubtful:
         warnings.warn("; ".join(doubtful), stacklevel=3)
     candidate = found.candidate
     return Discretised(
         found.cloud, candidate.operator, candidate.h_over_dx, found.refused, doubtful
+    )
+
+
+def _refuse_unused(operator: OperatorKind, options: Options) -> None:
+    """Along lines no smoothing function is evaluated: whoever gives one expects that it is."""
+    given = [name for name in ("h_over_dx", "smoothing") if getattr(options, name) is not None]
+    require(
+        not (given and isinstance(operator, LatticeDifference)),
+        f"{' and '.join(given)} would have no effect: on this box lattice {operator.name} reads "
+        "lines of particles; leave it out, or give operator=Consistent() too",
     )

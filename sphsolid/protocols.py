@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from numbers import Real
+from numbers import Integral, Real
 from typing import TypeVar
 
 from sphsolid.errors import InputError, require
@@ -40,6 +40,14 @@ def number(what: str, value: object, unit: str = "") -> float:
         made = math.inf
     require(math.isfinite(made), f"{what} = {value}{' ' if unit else ''}{unit} must be finite")
     return made
+
+
+def one_of(what: str, value: object, allowed: Sequence[int]) -> int:
+    """One of the ``allowed`` whole numbers, of any type, as an ``int``; else ``InputError``."""
+    if isinstance(value, bool) or not isinstance(value, Integral) or value not in allowed:
+        listed = ", ".join(map(str, allowed[:-1]))
+        raise InputError(f"{what} = {value!r} must be {listed} or {allowed[-1]}")
+    return int(value)
 
 
 def members(what: str, value: object, kind: type[Member]) -> tuple[Member, ...]:

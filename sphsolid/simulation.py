@@ -18,7 +18,7 @@ from sphsolid.cloud.smoothing import SmoothingFunction
 from sphsolid.continuum import law
 from sphsolid.continuum.tensor import determinant, split
 from sphsolid.continuum.wave_speed import reference_p_wave_speed
-from sphsolid.defaults import default_initial_strain, is_displacement_form, is_restraint
+from sphsolid.defaults import default_initial_strain, is_displacement_form, is_restrained
 from sphsolid.describe import plan, summary
 from sphsolid.errors import Diverged, require
 from sphsolid.geometry.body import AS_MESHED, Spacing
@@ -168,8 +168,7 @@ class Simulation(BaseSimulation):
         restraint it is ``2 c_p / omega`` with the highest frequency that there is.
         """
         resolved = 2.0 * reference_p_wave_speed(self.material)
-        restrained = any(map(is_restraint, (self.stabilisation, *self.terms)))
-        if is_displacement_form(self.formulation) and restrained:
+        if is_restrained(self.formulation, (self.stabilisation, *self.terms)):
             omega = displacement_frequency(self._rhs, self._state)
             return resolved / omega if omega > 0.0 else self.cloud.h_min
         if self.cloud.mesh.is_lattice and not hasattr(self.operator, "layout"):

@@ -22,6 +22,7 @@ from sphsolid.cloud.pairs.neighbours import PairList
 from sphsolid.errors import InputError
 from sphsolid.geometry.integrals import area_vectors
 from sphsolid.geometry.mesh import Mesh
+from sphsolid.protocols import one_of
 
 Array = NDArray[np.float64]
 
@@ -37,8 +38,8 @@ class LatticeDifference:
     order: int = 4
 
     def __post_init__(self) -> None:
-        if self.order not in (2, 4, 6):
-            raise InputError(f"LatticeDifference: order = {self.order!r} must be 2, 4 or 6")
+        order = one_of("LatticeDifference: order", self.order, (2, 4, 6))
+        object.__setattr__(self, "order", order)
 
     @property
     def name(self) -> str:

@@ -22,6 +22,8 @@ _WRITTEN = {
     "__orig_bases__", "__parameters__", "__type_params__", "__firstlineno__", "__annotate__",
     "__annotate_func__", "__annotations_cache__", "__static_attributes__", "__abstractmethods__",
     "_abc_impl", "__dataclass_fields__", "__dataclass_params__",
+    # Kept in the class by the first pickle or copy of an object.
+    "__slotnames__",
 }  # fmt: skip
 _OF_TUPLES = vars(namedtuple("_NoFields", ())).keys() - {"__slots__"}
 _OF_ENUMS = vars(_NoMembers).keys()

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from sphsolid.errors import InputError, require
+from sphsolid.errors import require
+from sphsolid.protocols import one_of
 from sphsolid.scenes.checks import number
 from sphsolid.scheme.filtered_dilatation import FilteredDilatationTerm
 from sphsolid.scheme.formulation import Formulation
@@ -49,8 +50,8 @@ class FilteredDilatation(TermOption):
     beta: float = 0.0
 
     def __post_init__(self) -> None:
-        if isinstance(self.order, bool) or self.order not in (1, 2):
-            raise InputError(f"FilteredDilatation: order = {self.order!r} must be 1 or 2")
+        order = one_of("FilteredDilatation: order", self.order, (1, 2))
+        object.__setattr__(self, "order", order)
         for name, unit in (("width", "spacings"), ("beta", "mu^2/kappa")):
             value = number(f"FilteredDilatation: {name}", getattr(self, name), unit)
             object.__setattr__(self, name, value)

@@ -44,6 +44,8 @@ class PositionVerlet:
     name: str = "position Verlet"
     stages: int = 1
     usual_cfl: ClassVar[float] = 0.7
+    #: ``w dt`` up to which an undamped oscillation does not grow.
+    largest_phase: ClassVar[float] = 2.0
     #: The evaluation takes an ``F`` that is not evolved.
     derives_F: ClassVar[bool] = True
 

@@ -19,12 +19,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 
 from sphsolid.cloud.lattice_difference import LatticeDifference
 from sphsolid.continuum.wave_speed import moduli_at_rest, reference_p_wave_speed
 from sphsolid.errors import InputError, require
-from sphsolid.protocols import check_protocol
+from sphsolid.protocols import check_protocol, number
 from sphsolid.scheme.restraint_lines import LineRestraint
 from sphsolid.scheme.restraint_pairs import PairRestraint
 from sphsolid.scheme.restraint_term import RestraintParts
@@ -33,6 +33,9 @@ from sphsolid.scheme.term import Term, TermOption
 
 #: What a pair is held by over the compressive stress on it.
 COMPRESSED = 0.4
+#: No step follows the stiffness of the unseen motion itself: a larger ``c`` of ``Quartic`` loses
+#: runs that the usual one bears.
+STIFFEST = 1000.0
 
 
 @dataclass(frozen=True)
@@ -78,8 +81,9 @@ class Quartic(Stiffness):
     compressed: float = COMPRESSED
 
     def __post_init__(self) -> None:
-        _check("Quartic: c", self.c)
-        _check_compressed(self)
+        _check(self, "c", self.c, STIFFEST)
+        _check(self, "compressed", self.compressed, _MOST_COMPRESSED)
+        require(self.c > 0.0, f"Quartic: c = {self.c:g} must be positive, or use NoStiffness()")
 
     @property
     def quartic(self) -> float:
@@ -98,8 +102,9 @@ class Elastic(Stiffness):
     compressed: float = COMPRESSED
 
     def __post_init__(self) -> None:
-        _check("Elastic: c", self.c)
-        _check_compressed(self)
+        _check(self, "c", self.c, _MOST_ELASTIC)
+        _check(self, "compressed", self.compressed, _MOST_COMPRESSED)
+        require(self.c > 0.0, f"Elastic: c = {self.c:g} must be positive, or use NoStiffness()")
 
     @property
     def elastic(self) -> float:
@@ -130,10 +135,17 @@ class Restraint(TermOption):
             "Restraint: stiffness", self.stiffness, ("quartic", "elastic", "compressed"),
             "use Quartic(), Elastic() or NoStiffness()",
         )
+        viscosity = number("Restraint: viscosity", self.viscosity, "rho0 c_p")
+        object.__setattr__(self, "viscosity", viscosity)
         require(
-            isinstance(self.viscosity, int | float) and 0.0 <= self.viscosity < 1.0,
-            f"Restraint: viscosity = {self.viscosity!r} must be within [0, 1); 0.02 is the default",
+            0.0 <= viscosity < 1.0,
+            f"Restraint: viscosity = {viscosity!r} must be within [0, 1); 0.02 is the default",
         )
+        for name in ("quartic", "elastic", "compressed"):
+            # That of a stiffness of one's own has met no check yet.
+            what = f"{type(self.stiffness).__name__}: {name}"
+            value = number(what, getattr(self.stiffness, name))
+            require(value >= 0.0, f"{what} = {value!r} must not be negative")
         require(
             isinstance(self.spaced, bool),
             f"Restraint: spaced = {self.spaced!r} must be True (the viscosity acts in 4 of 15 "
@@ -168,17 +180,17 @@ class Restraint(TermOption):
         return (made(self, self.parts(set_up), set_up),)
 
 
-def _check_compressed(stiffness: Quartic | Elastic) -> None:
-    share = stiffness.compressed
-    require(
-        isinstance(share, int | float) and 0.0 <= share < 10.0,
-        f"{type(stiffness).__name__}: compressed = {share!r} must be within [0, 10); "
-        f"{COMPRESSED} is the default",
-    )
+#: Largest values of what has a step limit of its own.
+_MOST_ELASTIC, _MOST_COMPRESSED = 1.0e6, 10.0
 
 
-def _check(what: str, c: object) -> None:
+def _check(stiffness: Quartic | Elastic, name: str, value: object, most: float) -> None:
+    """Keep ``value`` as a ``float``; raises ``InputError`` outside ``[0, most)``."""
+    what = f"{type(stiffness).__name__}: {name}"
+    made = number(what, value)
+    object.__setattr__(stiffness, name, made)
+    usual = next(each.default for each in fields(stiffness) if each.name == name)
     require(
-        isinstance(c, int | float) and 0.0 < c < 1.0e6,
-        f"{what} = {c!r} must be positive and below 1e6",
+        0.0 <= made < most,
+        f"{what} = {made:g} must be within [0, {most:g}); {usual:g} is the default",
     )

@@ -33,6 +33,7 @@ the symplectic method itself, need no projection, and are second order (``sum b 
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -55,6 +56,8 @@ class SSPRK3:
     name: str = "SSP-RK3"
     stages: int = 3
     usual_cfl: ClassVar[float] = 0.5
+    #: ``w dt`` up to which an undamped oscillation does not grow.
+    largest_phase: ClassVar[float] = math.sqrt(3.0)
 
     def stepper(
         self, rhs: RightHandSide, state: State, essential: EssentialConditions

@@ -78,6 +78,8 @@ class SymplecticRKN4:
     name: str = "symplectic RKN4"
     stages: int = 5
     usual_cfl: ClassVar[float] = 1.5
+    #: ``w dt`` up to which an undamped oscillation does not grow.
+    largest_phase: ClassVar[float] = 7.46
     #: The evaluation takes an ``F`` that is not evolved.
     derives_F: ClassVar[bool] = True
 

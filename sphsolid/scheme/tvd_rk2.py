@@ -30,6 +30,8 @@ class TVDRK2:
     name: str = "TVD-RK2"
     stages: int = 2
     usual_cfl: ClassVar[float] = 0.3
+    #: ``w dt`` up to which an undamped oscillation does not grow.
+    largest_phase: ClassVar[float] = 0.0
 
     def stepper(
         self, rhs: RightHandSide, state: State, essential: EssentialConditions

@@ -16,8 +16,6 @@ from sphsolid.record import Snapshot
 #: Noise that counts as smooth (a sine of ten spacings has 0.1) and as fluctuating, and the largest
 #: share of a fluctuation that may be left where a term removes it: the same in every study.
 SMOOTH, FLUCTUATES, REMOVED = 0.1, 0.15, 0.5
-#: A pressure that varies by less than this share of the bulk modulus is round-off: no noise.
-ROUND_OFF = 1.0e-12
 Array = NDArray[np.float64]
 Triples = NDArray[np.int64]
 
@@ -79,7 +77,7 @@ def pressure_noise(snapshot: Snapshot, *, above: float = -math.inf) -> float:
         return 0.0
     mean = np.average(p[kept], weights=weights)
     spread = math.sqrt(float(np.average((p[kept] - mean) ** 2, weights=weights)))
-    if spread <= ROUND_OFF * snapshot.material.kappa:
+    if spread == 0.0:
         return 0.0
     shares = [0.0]
     for runs in triples:
@@ -137,21 +135,15 @@ def scattered_noise(snapshot: Snapshot, *, spacing: float) -> float:
     counting more than those inside.  ``spacing`` [m] is given, because that of a mesh and that of a
     cloud on the same points differ where cells are no cubes, and with it who is a neighbour.
     """
-    return noise_of(
-        snapshot.stress_X, snapshot.stress_V, snapshot.pressure, spacing,
-        round_off=ROUND_OFF * snapshot.material.kappa,
-    )  # fmt: skip
+    return noise_of(snapshot.stress_X, snapshot.stress_V, snapshot.pressure, spacing)
 
 
-def noise_of(X: Array, V: Array, p: Array, spacing: float, *, round_off: float = 0.0) -> float:
-    """The same of values ``p (n,)`` at ``X (n, 3)`` [m] with volumes ``V (n,)``.
-
-    It is zero where ``p`` varies by no more than ``round_off``, in the unit of ``p``.
-    """
+def noise_of(X: Array, V: Array, p: Array, spacing: float) -> float:
+    """The same of values ``p (n,)`` at ``X (n, 3)`` [m] with volumes ``V (n,)``."""
     alternating = departure(X, p, spacing) / _CHECKERBOARD
     mean = np.average(p, weights=V)
     spread = math.sqrt(float(np.average((p - mean) ** 2, weights=V)))
-    if spread <= max(1.0e-14 * abs(mean), round_off):
+    if spread <= 1.0e-14 * abs(mean) or spread == 0.0:
         return 0.0
     return math.sqrt(float(np.average(alternating**2, weights=V))) / spread
 

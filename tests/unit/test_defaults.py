@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 from pathlib import Path
 from typing import Any
@@ -11,6 +12,7 @@ import pytest
 
 import sphsolid as sph
 from sphsolid import defaults
+from sphsolid.errors import InputError
 from sphsolid.recommendation import recommend_supg
 from sphsolid.scenes import Blocks, Box, Scene, swinging_cube, twisting_column
 
@@ -116,6 +118,67 @@ def test_auto_takes_a_share_of_the_limit() -> None:
     assert isinstance(limit, defaults.StabilityLimit)
     assert sim._time_step.cfl == pytest.approx(defaults.MARGIN * limit.slow)
     assert sim._time_step.cfl > 0.7
+
+
+def test_auto_has_no_number_for_the_displacement_form() -> None:
+    with pytest.raises(InputError, match="cfl = 'auto': the stability map has no displacement"):
+        sph.Simulation(twisting_column(), spacing=0.5, cfl="auto")
+
+
+@pytest.mark.parametrize(
+    ("integrator", "said"),
+    [
+        (sph.PositionVerlet(), "CFL 0.7 (1 is what the highest frequency"),
+        (sph.SymplecticRKN4(), "CFL 1.5 (3.73 is what the highest frequency"),
+        (sph.SSPRK3(), "CFL 0.5 (0.866 is what the highest frequency"),
+        (sph.TVDRK2(), "CFL 0.3 (no step is short enough"),
+    ],
+)
+def test_the_plan_of_the_default_says_what_its_integrator_allows(
+    integrator: Any, said: str
+) -> None:
+    assert said in sph.Simulation(twisting_column(), spacing=0.5, integrator=integrator).plan()
+
+
+def test_the_plan_says_the_step_that_the_viscosity_allows() -> None:
+    viscous = sph.Restraint(viscosity=0.5)
+    sim = sph.Simulation(twisting_column(), spacing=0.5, stabilisation=viscous)
+    step = sim.stable_time_step()
+    assert step < 0.9 * sim._time_step.reference
+    assert f"undeformed step {step:.4g} s (a term allows" in sim.plan()
+
+
+def test_two_filters_of_the_dilatation_are_refused() -> None:
+    def build(**options: Any) -> sph.Simulation:
+        return sph.Simulation(twisting_column(), spacing=0.5, **options)
+
+    coarse = sph.FilteredDilatation(order=1)
+    with pytest.raises(InputError, match="2 filtered dilatations"):
+        build(dilatation=sph.FilteredDilatation(), terms=[coarse])
+    with pytest.raises(InputError, match="2 filtered dilatations"):
+        build(terms=[coarse, coarse])
+    assert build(terms=[coarse]).dilatation == sph.OwnDilatation()
+
+
+def test_what_lines_do_not_read_is_refused() -> None:
+    given: dict[str, Any]
+    for given in ({"h_over_dx": 0.9}, {"smoothing": sph.CubicSpline()}):
+        with pytest.raises(InputError, match=f"{next(iter(given))} would have no effect"):
+            sph.Simulation(twisting_column(), spacing=0.5, **given)
+        sph.Simulation(twisting_column(), spacing=0.5, operator=sph.Consistent(), **given)
+
+
+def test_a_restraint_among_the_terms_counts_as_one() -> None:
+    scene = dataclasses.replace(swinging_cube(), body=Box(jitter=0.2))
+    sims = [
+        sph.Simulation(scene, spacing=0.25, formulation=sph.Displacement(), **options)
+        for options in (
+            {"stabilisation": sph.Restraint()},
+            {"stabilisation": sph.NoStabilisation(), "terms": [sph.Restraint()]},
+        )
+    ]
+    assert sims[0].cloud.h == sims[1].cloud.h
+    assert sims[0].dilatation == sims[1].dilatation == sph.FilteredDilatation()
 
 
 @pytest.mark.parametrize("integrator", [sph.PositionVerlet(), sph.SSPRK3(), sph.TVDRK2()])

@@ -15,8 +15,9 @@ Lines of less than eight points have no ends of their own, and second difference
 functions.  Ends of three points that keep linear functions bend better still, but cost a smooth
 pressure of large strain a digit.
 
-``h_i S_ij = h_j S_ji``.  The shortest wave is filtered out and no wave is turned round.  The axes
-commute, so their product is symmetric in the products of the norms.
+``h_i S_ij = h_j S_ji``.  The shortest wave is filtered out.  No wave is turned round, but for a
+small share at the ends with ``order=1`` and the norms of orders four and six.  The axes commute, so
+their product is symmetric in the products of the norms.
 """
 
 from __future__ import annotations

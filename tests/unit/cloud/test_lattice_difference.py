@@ -77,8 +77,10 @@ def test_bodies_that_are_no_box_and_orders_there_are_not_are_refused():
         sph.Simulation(
             Scene("L", L_SHAPE, SOLID, 0.01), spacing=0.25, operator=sph.LatticeDifference(4)
         )
-    with pytest.raises(InputError, match="must be 2, 4 or 6"):
-        sph.LatticeDifference(3)
+    for wrong in (3, 4.0, True, np.True_, np.array([4, 2]), "4", None):
+        with pytest.raises(InputError, match="must be 2, 4 or 6"):
+            sph.LatticeDifference(wrong)
+    assert sph.LatticeDifference(np.int64(4)) == sph.LatticeDifference(4)
     scene = Scene("jitter", Box(jitter=0.3), SOLID, 0.01)
     with pytest.raises(InputError, match="full box of lattice points"):
         sph.Simulation(scene, spacing=0.25, operator=sph.LatticeDifference(4))

@@ -164,6 +164,15 @@ def test_what_kernels_are_handed_can_be_copied_and_pickled() -> None:
         assert again == mine
 
 
+def test_a_law_that_was_copied_or_pickled_is_the_same_law(load: Any) -> None:
+    """Both write a name into the class, the first time."""
+    material = load().MyLaw(1.0, 2.0, 3.0)
+    before = type(law.in_kernels(material))
+    assert pickle.loads(pickle.dumps(copy.deepcopy(material))) == material
+    assert "__slotnames__" in vars(type(material))
+    assert type(law.in_kernels(material)) is before
+
+
 def test_the_name_of_a_law_of_another_program_can_be_read() -> None:
     assert issubclass(type_of_name("Law_0123456789abcdef"), tuple)
     with pytest.raises(AttributeError):

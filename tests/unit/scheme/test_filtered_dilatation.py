@@ -251,6 +251,9 @@ def test_the_plan_says_which_filter() -> None:
     [
         ({"order": 3}, "order = 3 must be 1 or 2"),
         ({"order": True}, "order = True must be 1 or 2"),
+        ({"order": 2.0}, "order = 2.0 must be 1 or 2"),
+        ({"order": 1 + 0j}, "must be 1 or 2"),
+        ({"order": np.array([1, 2])}, "must be 1 or 2"),
         ({"width": 1.0}, "width = 1 spacings must be more than 1"),
         ({"width": 9.0}, "at most 4"),
         ({"width": "wide"}, "width = 'wide' is not a number"),

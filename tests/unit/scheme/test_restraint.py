@@ -12,6 +12,7 @@ from sphsolid.errors import InputError
 from sphsolid.record import EnergyBudget
 from sphsolid.scenes import Blocks, Box, Scene
 from sphsolid.scheme.intrinsic_time import Units
+from sphsolid.scheme.restraint import Stiffness
 from sphsolid.scheme.restraint_term import CYCLE, MOST, MOST_SPACED, PUSHES
 from sphsolid.scheme.right_hand_side import RightHandSide
 
@@ -240,8 +241,36 @@ def test_what_makes_no_sense_is_refused():
         sph.Restraint(stiffness=3.0)
     with pytest.raises(InputError, match=r"within \[0, 1\)"):
         sph.Restraint(viscosity=-0.1)
-    with pytest.raises(InputError, match="positive"):
-        sph.Quartic(-1.0)
-    for wrong in (-0.1, "much", 10.0):
+    for wrong, why in ((-1.0, r"within \[0, 1000\)"), (0.0, "positive")):
+        with pytest.raises(InputError, match=why):
+            sph.Quartic(wrong)
+    for wrong in (-0.1, 10.0):
         with pytest.raises(InputError, match=r"compressed = .* within \[0, 10\)"):
             sph.Elastic(compressed=wrong)
+    for wrong in ("much", True, None):
+        with pytest.raises(InputError, match="is not a number"):
+            sph.Quartic(compressed=wrong)
+        with pytest.raises(InputError, match="is not a number"):
+            sph.Restraint(viscosity=wrong)
+    with pytest.raises(InputError, match=r"within \[0, 1000\)"):
+        sph.Quartic(4000.0)
+
+
+def test_numbers_of_any_type_are_taken():
+    assert sph.Restraint(viscosity=np.float32(0.25)).viscosity == 0.25
+    assert sph.Quartic(np.int64(40)) == sph.Quartic()
+
+
+def test_a_stiffness_of_ones_own_is_a_number_that_is_not_negative():
+    class Own(Stiffness):
+        def __init__(self, value):
+            self.value = value
+
+        @property
+        def quartic(self):
+            return self.value
+
+    assert sph.Restraint(stiffness=Own(3.0)).stiffness.quartic == 3.0
+    for wrong, why in ((-5.0, "not be negative"), (np.nan, "finite"), ("x", "not a number")):
+        with pytest.raises(InputError, match=f"Own: quartic = .*{why}"):
+            sph.Restraint(stiffness=Own(wrong))
