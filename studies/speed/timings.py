@@ -28,9 +28,8 @@ from studies.speed.plain_step import PlainStepper
 
 #: Fastest of this many timings; the machine is shared, the minimum is what it can do.
 REPEATS = 5
-#: Turns of what is timed side by side, and seconds of each: more of them than a neighbour on the
-#: machine is busy for.
-ROUNDS, WINDOW = 60, 0.1
+#: Turns of what is timed side by side, and seconds of each.
+ROUNDS, WINDOW = 9, 0.1
 #: End of the column's run [s].
 END = 0.1
 _START = """
