@@ -52,9 +52,10 @@ from studies.engine.tabled import compared
 
 #: Values that agree to this share are the same: tables have ten digits.
 SAME = 1.0e-9
-#: Columns that are of this machine: times, and bytes held, among them scratch of each thread.
+#: Columns that are of this machine: times, what it can do, and bytes held, among them scratch of
+#: each thread.
 _TIMES = re.compile(
-    r"(^|_)(wall|cpu|seconds|ns)(_|$)|step_s$|evaluation_s$|set_?up_s$|_ms$|^window_steps$|^repeats$|^(step|terms)_ratio$|^bytes$"
+    r"(^|_)(wall|cpu|seconds|ns)(_|$)|step_s$|evaluation_s$|set_?up_s$|_ms$|^window_steps$|^repeats$|^(step|terms)_ratio$|^bytes$|^bandwidth$|^flops$"
 )
 #: Cases that took longer are left out [s].
 LONGEST = 60.0
