@@ -151,9 +151,9 @@ class Claim:
 
     def _meets(self, name: str) -> bool:
         """By the number alone, whether or not the run can show it."""
-        return self._does(self._parts()[name], name)
+        return self._would_meet(self._parts()[name], name)
 
-    def _does(self, value: float, name: str) -> bool:
+    def _would_meet(self, value: float, name: str) -> bool:
         if math.isnan(value) or self.comparison == "reported":
             return False
         if isinstance(self.asked, tuple):
@@ -174,7 +174,7 @@ class Claim:
         if math.isnan(value) or self.comparison == "reported":
             return self._number(value)
         for form in _finer(self.format):
-            if self._does(_read(format(value, form)), name) == self._meets(name):
+            if self._would_meet(_read(format(value, form)), name) == self._meets(name):
                 break
         return self._number(value, form)
 
